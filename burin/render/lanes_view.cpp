@@ -9,9 +9,11 @@
 #include <limits>
 #include <numbers>
 #include <numeric>
+#include <optional>
 #include <span>
 #include <utility>
 
+#include "burin/render/error.h"
 #include "burin/render/exact/exact_view.h"
 #include "burin/render/fast/machine_clones.h"
 #include "burin/render/groove_profile.h"
@@ -93,27 +95,28 @@ std::vector<int> lattice_lines(int count, int step) {
   return out;
 }
 
-// From one node to the next this share of the nearest distance, of lamp or camera: light between them is good to 1e-5.
-int lattice_step(const ViewScene& scene) {
-  constexpr int kMost = 16;
-  constexpr double kOfDistance = 0.002;
-  const FootprintGrid& grid = *scene.grid;
+// A pixel near the picture's middle that sees the face, and its size on it.
+struct MiddlePixel {
+  Eigen::Vector3d center_mm{0, 0, 0};
+  double size_mm = 1;
+};
+std::optional<MiddlePixel> middle_pixel(const FootprintGrid& grid) {
   for (std::size_t i = grid.center_mm.size() / 2 + grid.width() / 2; i + 1 < grid.center_mm.size(); ++i) {
-    const Eigen::Vector3d& place = grid.center_mm[i];
-    const double mm = (grid.center_mm[i + 1] - place).norm();
-    if (!std::isfinite(mm) || !(mm > 0)) continue;
-    const double nearest_mm =
-        std::min((scene.light.position_mm - place).norm(), (scene.camera_center_mm - place).norm());
-    return std::clamp(static_cast<int>(kOfDistance * nearest_mm / mm), 1, kMost);
+    const double size_mm = (grid.center_mm[i + 1] - grid.center_mm[i]).norm();
+    if (std::isfinite(size_mm) && size_mm > 0) return MiddlePixel{grid.center_mm[i], size_mm};
   }
-  return 4;
+  return std::nullopt;
 }
 
-double pixels_by_mm(const FootprintGrid& grid) {
-  for (std::size_t i = grid.center_mm.size() / 2 + grid.width() / 2; i + 1 < grid.center_mm.size(); ++i)
-    if (const double mm = (grid.center_mm[i + 1] - grid.center_mm[i]).norm(); std::isfinite(mm) && mm > 0)
-      return 1 / mm;
-  return 1;
+// From one node to the next this share of the nearest distance, of lamp or camera: light between them is good to 1e-5.
+int lattice_step(const ViewScene& scene) {
+  constexpr int kUsual = 4, kMost = 16;
+  constexpr double kOfDistance = 0.002;
+  const std::optional<MiddlePixel> pixel = middle_pixel(*scene.grid);
+  if (!pixel) return kUsual;
+  const double nearest_mm =
+      std::min((scene.light.position_mm - pixel->center_mm).norm(), (scene.camera_center_mm - pixel->center_mm).norm());
+  return std::clamp(static_cast<int>(kOfDistance * nearest_mm / pixel->size_mm), 1, kMost);
 }
 
 // Nodes beside the face, or in the dark, continue what lies next to them in a straight line.
@@ -325,22 +328,23 @@ struct GroovePlace {
 // Lanes beside one another that are one line of light: first .. last - 1.
 struct LaneGroup {
   std::size_t first, last;
+  double width_mm = 0, middle_mm = 0;  // of all of them
 };
 
 // As few as keep a line within this share of a pixel of its lanes.
-std::vector<LaneGroup> groups_of(std::span<const Lane> lanes, std::span<const float> width_mm, double px_by_mm) {
+std::vector<LaneGroup> groups_of(std::span<const Lane> lanes, std::span<const float> width_mm,
+                                 std::span<const float> middle_mm, double px_by_mm) {
   constexpr double kWidestPx = 0.1;
   std::vector<LaneGroup> out;
-  double width_px = 0;
   for (std::size_t l = 0; l < lanes.size(); ++l) {
-    const double lane_px = px_by_mm * width_mm[l];
-    if (out.empty() || lanes[l].part != lanes[l - 1].part || width_px + lane_px > kWidestPx) {
+    if (out.empty() || lanes[l].part != lanes[l - 1].part || px_by_mm * (out.back().width_mm + width_mm[l]) > kWidestPx)
       out.push_back({l, l});
-      width_px = 0;
-    }
-    out.back().last = l + 1;
-    width_px += lane_px;
+    LaneGroup& group = out.back();
+    group.last = l + 1;
+    group.width_mm += width_mm[l];
+    group.middle_mm += static_cast<double>(width_mm[l]) * middle_mm[l];
   }
+  for (LaneGroup& group : out) group.middle_mm /= group.width_mm;
   return out;
 }
 
@@ -350,6 +354,7 @@ struct LaneSpots {
   std::vector<float> width_mm, middle_mm;  // of each lane
   double rim_by_depth_mm = 0;              // mm by um
   std::size_t groove_lanes = 0;            // the first of all; burrs' come behind
+  double most_aside_mm = 0;                // of the lanes' middles
   std::vector<LaneGroup> groups;
 
   // `px_by_mm`: of the picture.
@@ -367,7 +372,9 @@ struct LaneSpots {
     }
     rim_by_depth_mm = 1e-3 * half_width_slope(profile, width_um, depth_um);
     groove_lanes = static_cast<std::size_t>(std::ranges::count(lanes, Lane::Part::groove, &Lane::part));
-    groups = groups_of(lanes, width_mm, px_by_mm);
+    groups = groups_of(lanes, width_mm, middle_mm, px_by_mm);
+    most_aside_mm = 0;
+    for (const float middle : middle_mm) most_aside_mm = std::max(most_aside_mm, std::abs<double>(middle));
   }
 };
 
@@ -423,7 +430,17 @@ enum SumOf : int {
 // Light and area that cross a unit of an edge's way outwards, and their first moments along it.
 struct EdgeFlux {
   float light = 0, area = 0, light_at = 0, area_at = 0;
+
+  void operator+=(const EdgeFlux& more) {
+    light += more.light;
+    area += more.area;
+    light_at += more.light_at;
+    area_at += more.area_at;
+  }
 };
+
+// Rows of the picture are worked on in so many parts.
+constexpr int kBands = 8;
 
 struct Window {
   int x0, y0, x1, y1;
@@ -522,7 +539,9 @@ float shared_sum(const float* share, const float* a, const float* b, float at, s
 
 // What lanes of a groove add by a millimeter, of all that follows from its place and direction.
 struct LaneNumbers {
-  float light, area, by_log_alpha, by_across, by_along, rim_light, rim_area;
+  float light, area, by_log_alpha, by_across, by_along;
+  float turn;  // as the groove turns by a little
+  float rim_light, rim_area;
 };
 
 }  // namespace
@@ -546,7 +565,7 @@ struct LanesView::Data {
         channels(channel_count),
         lattice(make_lattice(scene, channels)),
         ambient(ambient_radiance(scene, channels)),
-        px_by_mm(pixels_by_mm(*scene.grid)) {}
+        px_by_mm(1 / middle_pixel(*scene.grid).value_or(MiddlePixel{}).size_mm) {}
 
   int width() const { return scene.grid->width(); }
   int height() const { return scene.grid->height(); }
@@ -581,8 +600,8 @@ struct LanesView::Data {
             const Numbers& numbers_of, Sink& sink) const;
   template <typename Body>
   void each_band(const Body& body) const;
-  LaneNumbers lane_numbers(const LanedGrooves& of, const LaneSpots& spots, std::size_t cell, const LaneGroup& group,
-                           std::size_t node, double at) const;
+  LaneNumbers lane_numbers(const LanedGrooves& of, const GroovePlace& place, const LaneSpots& spots, std::size_t cell,
+                           const LaneGroup& group, std::size_t node, double at, double scale) const;
   void find_spots(const LanedGrooves& of, std::size_t i, LaneSpots& spots) const {
     spots.find(scene.material.profile, of.lanes.lanes, width_of(of.grooves, i), depth_of(of.grooves, i), px_by_mm);
   }
@@ -592,21 +611,30 @@ struct LanesView::Data {
     bool is_visible = false, is_lit = false;
   };
   Seen seen_at(std::size_t pixel) const;
+  // body(row, pixel, what is seen there), in parallel.
+  template <typename Body>
+  void each_lit_pixel(const Body& body) const {
+    tbb::parallel_for(0, height(), [&](int y) {
+      for (int x = 0; x < width(); ++x) {
+        const std::size_t pixel = static_cast<std::size_t>(y) * width() + x;
+        if (const Seen seen = seen_at(pixel); seen.is_lit) body(y, pixel, seen);
+      }
+    });
+  }
 };
 
 // Nodes so near that the way between them is straight in the picture, and light changes evenly.
 void LanesView::Data::find_way(const Scratches& s, std::size_t i, Vector2d& guess_px, std::vector<WayNode>& out) const {
   constexpr double kStraightPx = 0.01, kOfAlpha = 0.05;
   constexpr int kMostSpans = 400;
-  const Vector2d p0(s.x0_mm[i], s.y0_mm[i]), p1(s.x1_mm[i], s.y1_mm[i]);
-  const double length = (p1 - p0).norm();
-  if (!(length > 0)) return;
-  const Vector2d along = (p1 - p0) / length, across(along.y(), -along.x());
+  const GroovePlace place(s, i);
+  if (!(place.length_mm > 0)) return;
   const auto node_at = [&](double share, WayNode& node) {
-    const InPicture found = in_picture(lattice, p0 + share * (p1 - p0), guess_px);
+    const double at_mm = share * place.length_mm;
+    const InPicture found = in_picture(lattice, place.first + at_mm * place.along, guess_px);
     if (!found.is_found) return false;
     guess_px = found.px;
-    node = {share * length, found.px, found.by_mm * across, half_at(found.px)};
+    node = {at_mm, found.px, found.by_mm * place.across, half_at(found.px)};
     return true;
   };
   WayNode first, middle, last;
@@ -641,8 +669,7 @@ void LanesView::Data::find_light(const LanedGrooves& of, std::size_t i, bool slo
   const WallNodes& walls = work.walls;
   const auto n = static_cast<int>(walls.sine.size());
   for (auto* v : {&work.value, &work.by_alpha, &work.by_across, &work.by_along}) v->resize(n);
-  const Vector2d along = Vector2d(s.x1_mm[i] - s.x0_mm[i], s.y1_mm[i] - s.y0_mm[i]).normalized();
-  const Vector2d across(along.y(), -along.x());
+  const GroovePlace place(s, i);
   const double along2 = 1 / (alpha * alpha), across2 = along2 / (profile.across * profile.across);
   LaneLight& light = ways.light;
   for (std::size_t node = ways.first[i]; node < ways.first[i + 1]; ++node) {
@@ -658,8 +685,8 @@ void LanesView::Data::find_light(const LanedGrooves& of, std::size_t i, bool slo
       const Shadowing g = shadowing(std::clamp(value(&LampThere::cos_i), 1e-3, 1.0),
                                     std::clamp(value(&LampThere::cos_o), 1e-3, 1.0), alpha);
       LobeAt at;
-      at.across = static_cast<float>(h.dot(across));
-      at.along = static_cast<float>(h.dot(along));
+      at.across = static_cast<float>(h.dot(place.across));
+      at.along = static_cast<float>(h.dot(place.along));
       at.up = static_cast<float>(std::sqrt(std::max(1e-6, 1 - h.squaredNorm())));
       at.across2 = static_cast<float>(across2);
       at.along2 = static_cast<float>(along2);
@@ -742,30 +769,23 @@ void LanesView::Data::walk(const LanedGrooves& of, std::size_t i, const LaneSpot
                            const Numbers& numbers_of, Sink& sink) const {
   const std::size_t first = ways.first[i], last = ways.first[i + 1];
   if (last - first < 2) return;
-  double low = ways.nodes[first].px.y(), high = low, most_aside_mm = 0, most_px = 0;
+  double low = ways.nodes[first].px.y(), high = low, most_px = 0;
   for (std::size_t node = first; node < last; ++node) {
     low = std::min(low, ways.nodes[node].px.y());
     high = std::max(high, ways.nodes[node].px.y());
     most_px = std::max(most_px, ways.nodes[node].by_across.norm());
   }
-  for (const float middle : spots.middle_mm) most_aside_mm = std::max(most_aside_mm, std::abs<double>(middle));
-  if (high + most_px * most_aside_mm < window.y0 || low - most_px * most_aside_mm > window.y1) return;
+  const double aside_px = most_px * spots.most_aside_mm;
+  if (high + aside_px < window.y0 || low - aside_px > window.y1) return;
   const std::size_t first_cell = of.lanes.first[i], cells = of.lanes.first[i + 1] - first_cell;
   const double cell_mm = ways.nodes[last - 1].at_mm / static_cast<double>(cells);
-  const auto& groups = spots.groups;
   for (std::size_t node = first; node + 1 < last; ++node) {
     const WayNode &a = ways.nodes[node], &b = ways.nodes[node + 1];
     const double span_mm = b.at_mm - a.at_mm;
-    for (const LaneGroup& group : groups) {
-      double width_mm = 0, middle_mm = 0;
-      for (std::size_t l = group.first; l < group.last; ++l) {
-        width_mm += spots.width_mm[l];
-        middle_mm += static_cast<double>(spots.width_mm[l]) * spots.middle_mm[l];
-      }
-      middle_mm /= width_mm;
-      const int lines = lines_of_lanes(a, b, width_mm);
+    for (const LaneGroup& group : spots.groups) {
+      const int lines = lines_of_lanes(a, b, group.width_mm);
       for (int k = 0; k < lines; ++k) {
-        const double aside = middle_mm + ((k + 0.5) / lines - 0.5) * width_mm;
+        const double aside = group.middle_mm + ((k + 0.5) / lines - 0.5) * group.width_mm;
         const Vector2d px = a.px + aside * a.by_across;
         const LaneLine line{a.at_mm, b.at_mm, px, (b.px + aside * b.by_across - px) / span_mm,
                             0.5 * (a.by_across + b.by_across)};
@@ -794,11 +814,10 @@ void LanesView::Data::walk(const LanedGrooves& of, std::size_t i, const LaneSpot
 // Rows of the picture in parts, each by itself: every sum has one order, whatever the number of threads.
 template <typename Body>
 void LanesView::Data::each_band(const Body& body) const {
-  constexpr int kBands = 8;
   const int bands = std::min(kBands, height());
   tbb::parallel_for(0, bands, [&](int band) {
-    body(Window{0, static_cast<int>(static_cast<long>(height()) * band / bands), width(),
-                static_cast<int>(static_cast<long>(height()) * (band + 1) / bands)});
+    body(band, Window{0, static_cast<int>(static_cast<long>(height()) * band / bands), width(),
+                      static_cast<int>(static_cast<long>(height()) * (band + 1) / bands)});
   });
 }
 
@@ -834,14 +853,22 @@ LanesView::Data::Seen LanesView::Data::seen_at(std::size_t pixel) const {
 
 namespace {
 
+// What is not asked for edges.
+struct NoEdges {
+  void begin_line(const LaneLine&) {}
+  void cross_column(int, int, double) {}
+  void cross_row(int, int, double) {}
+  void leave_row(int, int, double) {}
+};
+
 // Light and area of each pixel.
-struct ValueSink {
+struct ValueSink : NoEdges {
   float* sums;
   int width;
   std::array<float, 2> numbers{};
   std::size_t chords = 0;
 
-  void begin_line(const LaneLine&) {}
+  ValueSink(float* of_pixels, int of_width) : sums(of_pixels), width(of_width) {}
   void chord(int x, int y, double from, double to) {
     const auto length = static_cast<float>(to - from);
     float* const at = sums + 2 * (static_cast<std::size_t>(y) * width + x);
@@ -849,9 +876,6 @@ struct ValueSink {
     at[1] += length * numbers[1];
     ++chords;
   }
-  void cross_column(int, int, double) {}
-  void cross_row(int, int, double) {}
-  void leave_row(int, int, double) {}
 };
 
 }  // namespace
@@ -861,17 +885,17 @@ LanesView::~LanesView() = default;
 
 std::size_t LanesView::chord_count() const { return data_->chords; }
 
-void LanesView::forward(const LanedGrooves& of, Image& radiance) {
+void LanesView::forward(const LanedGrooves& of, bool keep_slopes, Image& radiance) {
   Data& d = *data_;
-  d.find_ways(of, false);
+  d.find_ways(of, keep_slopes);
   d.sums.assign(2 * d.pixels(), 0);
   if (radiance.width != d.width() || radiance.height != d.height() || radiance.channels != d.channels)
     radiance = Image(d.width(), d.height(), d.channels);
   const std::size_t lanes = of.lanes.lanes.size();
-  std::vector<std::size_t> chords(static_cast<std::size_t>(d.height()) + 1, 0);
-  d.each_band([&](const Window& window) {
+  std::array<std::size_t, kBands> chords{};
+  d.each_band([&](int band, const Window& window) {
     LaneSpots spots;
-    ValueSink sink{d.sums.data(), d.width()};
+    ValueSink sink(d.sums.data(), d.width());
     const std::vector<float>& light = d.ways.light.value;
     for (std::size_t i = 0; i < of.grooves.size(); ++i) {
       d.find_spots(of, i, spots);
@@ -888,7 +912,7 @@ void LanesView::forward(const LanedGrooves& of, Image& radiance) {
           },
           sink);
     }
-    chords[window.y0] = sink.chords;
+    chords[band] = sink.chords;
     for (int y = window.y0; y < window.y1; ++y)
       for (int x = 0; x < d.width(); ++x) {
         const std::size_t pixel = static_cast<std::size_t>(y) * d.width() + x;
@@ -928,10 +952,7 @@ struct SlopeSink {
   void add(EdgeFlux& edge, double along_edge, float inv_rate) const {
     const auto share = static_cast<float>(along_edge);
     const float light = inv_rate * numbers[kSumOfLight], area = inv_rate * numbers[kSumOfArea];
-    edge.light += light;
-    edge.area += area;
-    edge.light_at += share * light;
-    edge.area_at += share * area;
+    edge += {light, area, share * light, share * area};
   }
   void cross_column(int x, int y, double at) const {
     const double py = line->px.y() + (at - line->from_mm) * line->by_mm.y();
@@ -951,38 +972,44 @@ struct SlopeSink {
 
 }  // namespace
 
-// Of a group's lanes in a cell, between two nodes of the groove; by depth as the shared one grows by a um.
-LaneNumbers LanesView::Data::lane_numbers(const LanedGrooves& of, const LaneSpots& spots, std::size_t cell,
-                                          const LaneGroup& group, std::size_t node, double at) const {
+// Of a group's lanes in a cell, between two nodes of the groove, times `scale`; by depth as the shared one grows by a
+// um.
+LaneNumbers LanesView::Data::lane_numbers(const LanedGrooves& of, const GroovePlace& place, const LaneSpots& spots,
+                                          std::size_t cell, const LaneGroup& group, std::size_t node, double at,
+                                          double scale) const {
   const std::size_t lanes = of.lanes.lanes.size(), count = group.last - group.first, from = cell * lanes + group.first,
                     to = node * lanes + group.first;
-  const float* const share = &of.lanes.share[from];
-  const auto f = static_cast<float>(at);
-  const auto sum = [&](const std::vector<float>& numbers) {
-    return shared_sum(share, &numbers[to], &numbers[to + lanes], f, count);
+  const auto f = static_cast<float>(at), times = static_cast<float>(scale);
+  const auto sum = [&](const std::vector<float>& shares, const std::vector<float>& numbers) {
+    return times * shared_sum(&shares[from], &numbers[to], &numbers[to + lanes], f, count);
   };
   const float* const width = &spots.width_mm[group.first];
-  LaneNumbers out{sum(ways.light.value),
-                  shared_sum(share, width, width, 0, count),
-                  sum(ways.light.by_alpha),
-                  sum(ways.light.by_across),
-                  sum(ways.light.by_along),
-                  0,
-                  0};
-  const auto rim = static_cast<float>(spots.depth_um / scene.material.depth_um * spots.rim_by_depth_mm);
+  const auto width_of = [&](const std::vector<float>& shares) {
+    return times * shared_sum(&shares[from], width, width, 0, count);
+  };
+  const std::vector<float>& share = of.lanes.share;
+  LaneNumbers out{};
+  out.light = sum(share, ways.light.value);
+  out.area = width_of(share);
+  out.by_log_alpha = sum(share, ways.light.by_alpha);
+  out.by_across = sum(share, ways.light.by_across);
+  out.by_along = sum(share, ways.light.by_along);
+  const Vector2d h = (1 - at) * ways.nodes[node].half + at * ways.nodes[node + 1].half;
+  // A turn of the groove turns h the other way in its frame.
+  out.turn = static_cast<float>(out.by_across * h.dot(place.along) - out.by_along * h.dot(place.across));
+  const auto rim = static_cast<float>(scale * spots.depth_um / scene.material.depth_um * spots.rim_by_depth_mm);
   for (int side = 0; side < 2; ++side) {
     const std::size_t outermost = side == 0 ? 0 : spots.groove_lanes - 1;
     if (outermost < group.first || outermost >= group.last) continue;
     const float* const at_rims = &ways.light.at_rims[2 * node + side];
-    const float grows = rim * of.lanes.share[cell * lanes + outermost];
+    const float grows = rim * share[cell * lanes + outermost];
     out.rim_light += grows * (at_rims[0] + f * (at_rims[2] - at_rims[0]));
     out.rim_area += grows;
   }
   if (of.lanes.share_by_depth.empty()) return out;
-  const float* const by_depth = &of.lanes.share_by_depth[from];
   const auto unit = static_cast<float>(1 / scene.material.depth_um);
-  out.rim_light += unit * shared_sum(by_depth, &ways.light.value[to], &ways.light.value[to + lanes], f, count);
-  out.rim_area += unit * shared_sum(by_depth, width, width, 0, count);
+  out.rim_light += unit * sum(of.lanes.share_by_depth, ways.light.value);
+  out.rim_area += unit * width_of(of.lanes.share_by_depth);
   return out;
 }
 
@@ -992,11 +1019,11 @@ void LanesView::find_slopes(const LanedGrooves& of) {
   d.sums.assign(kSums * d.pixels(), 0);
   d.columns.assign(static_cast<std::size_t>(d.width() + 1) * d.height(), {});
   d.rows.assign(static_cast<std::size_t>(d.width()) * (d.height() + 1), {});
-  std::vector<EdgeFlux> upwards(d.rows.size());  // through the uppermost edges of a band
-  d.each_band([&](const Window& window) {
+  std::vector<EdgeFlux> upwards(static_cast<std::size_t>(kBands) * d.width());  // through the uppermost edges of bands
+  d.each_band([&](int band, const Window& window) {
     LaneSpots spots;
-    SlopeSink sink{d.sums.data(), d.columns.data(), d.rows.data(),
-                   &upwards[static_cast<std::size_t>(window.y0) * d.width()], d.width()};
+    SlopeSink sink{d.sums.data(), d.columns.data(), d.rows.data(), &upwards[static_cast<std::size_t>(band) * d.width()],
+                   d.width()};
     const double by_alpha = 1 / d.scene.material.alpha;  // by the log of a groove's own, in units of the shared one
     for (std::size_t i = 0; i < of.grooves.size(); ++i) {
       d.find_spots(of, i, spots);
@@ -1006,18 +1033,15 @@ void LanesView::find_slopes(const LanedGrooves& of) {
           of, i, spots, window,
           [&](std::size_t cell, const LaneGroup& group, std::size_t node, double at, double scale,
               std::array<float, kSums>& to) {
-            const LaneNumbers n = d.lane_numbers(of, spots, cell, group, node, at);
-            const Vector2d h = (1 - at) * d.ways.nodes[node].half + at * d.ways.nodes[node + 1].half;
-            // A turn of the groove by a little turns h the other way in its frame.
-            const double turn = n.by_across * h.dot(u) - n.by_along * h.dot(across);
+            const LaneNumbers n = d.lane_numbers(of, place, spots, cell, group, node, at, scale);
             const std::array<double, kSums> numbers{n.light,
                                                     n.area,
                                                     by_alpha * n.by_log_alpha,
                                                     n.by_across * across.x() + n.by_along * u.x(),
                                                     n.by_across * across.y() + n.by_along * u.y(),
-                                                    turn,
-                                                    turn * u.x() * u.x(),
-                                                    turn * u.x() * u.y(),
+                                                    n.turn,
+                                                    n.turn * u.x() * u.x(),
+                                                    n.turn * u.x() * u.y(),
                                                     n.light * u.x() * u.x(),
                                                     n.light * u.x() * u.y(),
                                                     n.area * u.x() * u.x(),
@@ -1026,17 +1050,16 @@ void LanesView::find_slopes(const LanedGrooves& of) {
                                                     n.rim_area,
                                                     0,
                                                     0};
-            for (int k = 0; k < kSums; ++k) to[k] = static_cast<float>(scale * numbers[k]);
+            for (int k = 0; k < kSums; ++k) to[k] = static_cast<float>(numbers[k]);
           },
           sink);
     }
   });
-  for (std::size_t i = 0; i < d.rows.size(); ++i) {
-    d.rows[i].light += upwards[i].light;
-    d.rows[i].area += upwards[i].area;
-    d.rows[i].light_at += upwards[i].light_at;
-    d.rows[i].area_at += upwards[i].area_at;
-  }
+  d.each_band([&](int band, const Window& window) {
+    for (int x = 0; x < d.width(); ++x)
+      d.rows[static_cast<std::size_t>(window.y0) * d.width() + x] +=
+          upwards[static_cast<std::size_t>(band) * d.width() + x];
+  });
 }
 
 namespace {
@@ -1047,7 +1070,6 @@ struct GradientSink {
   int width;
   double length_mm;
   LaneNumbers numbers{};
-  double turn = 0;                    // of the light there, as the groove turns
   double across_x = 0, across_y = 0;  // px a millimeter across, over px a millimeter along
   double by_alpha = 0, by_depth = 0, by_turn = 0, by_across = 0, by_across_along = 0, by_first = 0, by_last = 0;
 
@@ -1063,7 +1085,7 @@ struct GradientSink {
     const std::size_t pixel = static_cast<std::size_t>(y) * width + x;
     const double length = to - from;
     by_alpha += length * by_light[pixel] * numbers.by_log_alpha;
-    by_turn += length * by_light[pixel] * turn;
+    by_turn += length * by_light[pixel] * numbers.turn;
     by_depth += length * at_pixel(pixel, numbers.rim_light, numbers.rim_area);
     if (from <= 0) by_first += at_pixel(pixel, numbers.light, numbers.area);
     if (to >= length_mm - kRounding_mm) by_last += at_pixel(pixel, numbers.light, numbers.area);
@@ -1085,43 +1107,36 @@ struct GradientSink {
   void leave_row(int, int, double) {}
 };
 
-struct LightSink {
+struct LightSink : NoEdges {
   const float* by_light;
   int width;
   float numbers = 0;
   double sum = 0;
 
-  void begin_line(const LaneLine&) {}
+  LightSink(const float* of_pixels, int of_width) : by_light(of_pixels), width(of_width) {}
   void chord(int x, int y, double from, double to) {
     sum += (to - from) * by_light[static_cast<std::size_t>(y) * width + x] * numbers;
   }
-  void cross_column(int, int, double) {}
-  void cross_row(int, int, double) {}
-  void leave_row(int, int, double) {}
 };
 
 }  // namespace
 
 void LanesView::backward(const LanedGrooves& of, const Image& dE_dradiance, ScratchGradients& gradients) const {
-  Data& d = *data_;
+  const Data& d = *data_;
+  if (d.ways.light.by_alpha.size() != d.ways.light.value.size())
+    fail("ViewRenderer::backward", "there is no Jacobian", "call forward_with_jacobian() first");
   std::vector<float> by_light(d.pixels(), 0), by_area(d.pixels(), 0);
   std::vector<double> by_base_alpha(d.height(), 0);
-  tbb::parallel_for(0, d.height(), [&](int y) {
-    for (int x = 0; x < d.width(); ++x) {
-      const std::size_t pixel = static_cast<std::size_t>(y) * d.width() + x;
-      const Data::Seen seen = d.seen_at(pixel);
-      if (!seen.is_lit) continue;
-      double by_lobes = 0;
-      for (int c = 0; c < d.channels; ++c) by_lobes += dE_dradiance.data[pixel * d.channels + c] * seen.factor[c];
-      const double covered = std::min(1.0, d.sums[2 * pixel + 1] / seen.area_mm2);
-      by_light[pixel] = static_cast<float>(by_lobes / seen.area_mm2);
-      if (covered < 1) by_area[pixel] = static_cast<float>(-by_lobes * seen.base / seen.area_mm2);
-      by_base_alpha[y] += by_lobes * (1 - covered) * seen.base_slope;
-    }
+  d.each_lit_pixel([&](int y, std::size_t pixel, const Data::Seen& seen) {
+    double by_lobes = 0;
+    for (int c = 0; c < d.channels; ++c) by_lobes += dE_dradiance.data[pixel * d.channels + c] * seen.factor[c];
+    const double covered = std::min(1.0, d.sums[2 * pixel + 1] / seen.area_mm2);
+    by_light[pixel] = static_cast<float>(by_lobes / seen.area_mm2);
+    if (covered < 1) by_area[pixel] = static_cast<float>(-by_lobes * seen.base / seen.area_mm2);
+    by_base_alpha[y] += by_lobes * (1 - covered) * seen.base_slope;
   });
   gradients.shared_base_alpha =
       std::accumulate(by_base_alpha.begin(), by_base_alpha.end(), gradients.shared_base_alpha);
-  d.find_ways(of, true);
   const std::size_t grooves = of.grooves.size();
   constexpr std::size_t kAtOnce = 64;
   const Window whole{0, 0, d.width(), d.height()};
@@ -1131,24 +1146,19 @@ void LanesView::backward(const LanedGrooves& of, const Image& dE_dradiance, Scra
     for (std::size_t i = part * kAtOnce; i < std::min(grooves, (part + 1) * kAtOnce); ++i) {
       d.find_spots(of, i, spots);
       const GroovePlace place(of.grooves, i);
-      const Vector2d &u = place.along, &across = place.across;
       GradientSink sink{by_light.data(), by_area.data(), d.width(), place.length_mm};
       d.walk(
           of, i, spots, whole,
           [&](std::size_t cell, const LaneGroup& group, std::size_t node, double at, double scale, LaneNumbers& to) {
-            to = d.lane_numbers(of, spots, cell, group, node, at);
-            for (float* number :
-                 {&to.light, &to.area, &to.by_log_alpha, &to.by_across, &to.by_along, &to.rim_light, &to.rim_area})
-              *number *= static_cast<float>(scale);
-            const Vector2d h = (1 - at) * d.ways.nodes[node].half + at * d.ways.nodes[node + 1].half;
-            sink.turn = to.by_across * h.dot(u) - to.by_along * h.dot(across);
+            to = d.lane_numbers(of, place, spots, cell, group, node, at, scale);
           },
           sink);
       const double by_alpha = sink.by_alpha / d.alpha_of(of.grooves, i),
                    by_depth = sink.by_depth * d.scene.material.depth_um / spots.depth_um,
                    turn = sink.by_turn / place.length_mm, second = sink.by_across_along - turn,
                    first = sink.by_across - sink.by_across_along + turn;
-      const Vector2d by_first = first * across - sink.by_first * u, by_last = second * across + sink.by_last * u;
+      const Vector2d by_first = first * place.across - sink.by_first * place.along,
+                     by_last = second * place.across + sink.by_last * place.along;
       gradients.x0_mm[i] += by_first.x();
       gradients.y0_mm[i] += by_first.y();
       gradients.x1_mm[i] += by_last.x();
@@ -1167,21 +1177,16 @@ void LanesView::backward(const LanedGrooves& of, const Image& dE_dradiance, Scra
 void LanesView::add_contributions(const LanedGrooves& of, std::vector<double>& contribution) const {
   const Data& d = *data_;
   std::vector<float> by_light(d.pixels(), 0);
-  tbb::parallel_for(0, d.height(), [&](int y) {
-    for (int x = 0; x < d.width(); ++x) {
-      const std::size_t pixel = static_cast<std::size_t>(y) * d.width() + x;
-      const Data::Seen seen = d.seen_at(pixel);
-      if (!seen.is_lit) continue;
-      const double mean = std::accumulate(seen.factor.begin(), seen.factor.begin() + d.channels, 0.0) / d.channels;
-      by_light[pixel] = static_cast<float>(mean / seen.area_mm2);
-    }
+  d.each_lit_pixel([&](int, std::size_t pixel, const Data::Seen& seen) {
+    const double mean = std::accumulate(seen.factor.begin(), seen.factor.begin() + d.channels, 0.0) / d.channels;
+    by_light[pixel] = static_cast<float>(mean / seen.area_mm2);
   });
   const std::size_t lanes = of.lanes.lanes.size();
   const Window whole{0, 0, d.width(), d.height()};
   tbb::parallel_for(std::size_t{0}, of.grooves.size(), [&](std::size_t i) {
     LaneSpots spots;
     d.find_spots(of, i, spots);
-    LightSink sink{by_light.data(), d.width()};
+    LightSink sink(by_light.data(), d.width());
     d.walk(
         of, i, spots, whole,
         [&](std::size_t cell, const LaneGroup& group, std::size_t node, double at, double scale, float& to) {

@@ -41,10 +41,10 @@ class LanesView {
   LanesView(const LanesView&) = delete;
   LanesView& operator=(const LanesView&) = delete;
 
-  /// Radiance of every pixel.
-  void forward(const LanedGrooves& of, Image& radiance);
-  /// The gradient for the grooves of the last forward(), which must be given again: by their ends, depth and alpha, not
-  /// by their width. What others cut of them is held.
+  /// Radiance of every pixel; `keep_slopes` for backward().
+  void forward(const LanedGrooves& of, bool keep_slopes, Image& radiance);
+  /// The gradient for the grooves of the last forward(), which kept its slopes, and which must be given again: by their
+  /// ends, depth and alpha, not by their width. What others cut of them is held.
   void backward(const LanedGrooves& of, const Image& dE_dradiance, ScratchGradients& gradients) const;
   /// As ViewRenderer::add_contributions().
   void add_contributions(const LanedGrooves& of, std::vector<double>& contribution) const;

@@ -42,7 +42,7 @@ struct ViewRenderer::State {
              "cut them into pieces");
       if (!lanes) lanes = std::make_unique<LanesView>(scene, options.channels);
       grooves = scratches;
-      lanes->forward(last_grooves(), radiance);
+      lanes->forward(last_grooves(), keep_jacobian, radiance);
       return;
     }
     const bool is_lone = scene.light.is_lamp() && (scene.light.size.is_point() || LampView::takes_area(scene, options));
