@@ -291,8 +291,8 @@ void count_tones(const std::vector<LightSample>& without, const Board& board, co
     sigma = std::hypot(*sigma, other.material.base_alpha - bench.material.base_alpha);
 }
 
-// The lamps from the pictures that are left, and which of those were lit otherwise than the rest: these are returned.
-// `on_camera`: those that ride on the camera.
+// Finds the lamps in the pictures that are left; returns the views that were lit otherwise than the rest. `on_camera`
+// gets the names of lamps that ride on the camera.
 std::set<LitView> find_lamps(const Session& session, std::vector<MergedView>&& merged, const Board& board,
                              Calibration& out, std::vector<std::string>& on_camera) {
   std::set<LitView> odd;
@@ -365,6 +365,26 @@ void find_colors(const Session& session, std::span<const Bracket> brackets,
   if (std::any_of(paper.begin(), paper.end(), [](const auto& p) { return !p.empty(); }))
     append(out.findings, check_white_balance(session));
   color_lamps(brackets, paper, board, out.bench);
+}
+
+// Puts the solved cameras, sheet and tags into the bench, with their verdicts.
+void fill_geometry(const Board& board, bool fix_lens, Calibration& out) {
+  const BoardSolution& solved = out.geometry;
+  Bench& bench = out.bench;
+  bench.lens = solved.lens;
+  bench.views = solved.views;
+  bench.lens_scatter = solved.lens_scatter;
+  bench.bow_mm = solved.bow_mm;
+  if (!solved.options.fix_bow && !board.bend) bench.bow_sigma_mm = solved.bow_sigma_mm;
+  if (board.bend) {
+    bench.bend_sigma = bend_sigma_of(surface_of(board, bench), solved.bow_sigma_mm.head<2>());
+    settle_bend(board, bench);
+  }
+  bench.tags = solved.tags;
+  for (Tag& tag : bench.tags) tag.size_mm += 2 * solved.edge_mm;
+  bench.material = board.material;
+  const Combinations judged = judge_geometry(solved, board, fix_lens, bench);
+  advise_geometry(solved, board, judged, bench);
 }
 
 }  // namespace
@@ -444,20 +464,7 @@ Calibration calibrate(const Session& session, const Board& board, const Calibrat
   out.pictures = std::move(tags);
   out.solver = solver;
   out.tool_width_um = board.tool_width_um;
-  out.bench.lens = out.geometry.lens;
-  out.bench.views = out.geometry.views;
-  out.bench.lens_scatter = out.geometry.lens_scatter;
-  out.bench.bow_mm = out.geometry.bow_mm;
-  if (!out.geometry.options.fix_bow && !board.bend) out.bench.bow_sigma_mm = out.geometry.bow_sigma_mm;
-  if (board.bend) {
-    out.bench.bend_sigma = bend_sigma_of(surface_of(board, out.bench), out.geometry.bow_sigma_mm.head<2>());
-    settle_bend(board, out.bench);
-  }
-  out.bench.tags = out.geometry.tags;
-  for (Tag& tag : out.bench.tags) tag.size_mm += 2 * out.geometry.edge_mm;
-  out.bench.material = board.material;
-  const Combinations judged = judge_geometry(out.geometry, board, options.fix_lens, out.bench);
-  advise_geometry(out.geometry, board, judged, out.bench);
+  fill_geometry(board, options.fix_lens, out);
 
   if (options.find_lamps) {
     report("looking for the lamp", 0);

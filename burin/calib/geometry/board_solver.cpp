@@ -555,8 +555,8 @@ LensScatter set_lens_priors(Solver& s, const BundleOptions& o, Bundle& bundle) {
   return scatter;
 }
 
-// Whether each view has a lens of its own: asked for where views fitted one by one differ beyond chance, and taken
-// where it explains the corners better than one lens does, for what three numbers more a view are worth.
+// Gives each view a lens of its own if views fitted one by one differ beyond chance, and if that explains the corners
+// better than one lens does by more than three numbers a view are worth.
 void ask_for_own_lenses(Solver& s, const BundleOptions& o, const std::string& model) {
   std::vector<bool> counts;
   for (std::size_t v = 0; v < s.view_names.size(); ++v)

@@ -61,7 +61,7 @@ ViewLens view_lens_of(const View& view, const LensScatter& scatter) {
       {std::max(scatter.shift_px, own.shift_px.norm()), std::max(scatter.focal, std::abs(std::log(own.focal_ratio)))}};
 }
 
-// The tags' corners where they are predicted: only their information is asked for.
+// A bundle with the tags' corners at their predicted places: the prior needs only their information.
 Bundle predicted_bundle(const Board& board, const Bench& bench) {
   Bundle bundle;
   bundle.lens = bench.lens;
