@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "burin/render/groove_profile.h"
+#include "burin/render/line_cuts.h"
 #include "burin/render/scratches.h"
 
 namespace burin {
@@ -35,10 +36,8 @@ inline constexpr std::array<std::pair<Crossings, std::string_view>, 3> kCrossing
 
 /// Where a piece of a scratch begins or ends.
 struct PieceEnd {
-  /// What ends it there: the scratch's own end, or the outline of another groove (lines along it, to its left and
-  /// right, and the lines across its two ends).
-  enum class Boundary : std::uint8_t { own_end, side_minus, side_plus, first_end, last_end };
-  double at = 0;  ///< along the scratch: 0 its first end, 1 its last
+  using Boundary = LineBoundary;  ///< what ends it there
+  double at = 0;                  ///< along the scratch: 0 its first end, 1 its last
   Boundary boundary = Boundary::own_end;
   std::uint32_t cutter = 0;  ///< the row of that groove
   /// How far from the middle of that groove the line along it lies, um, and what it moves as this groove, or that one,

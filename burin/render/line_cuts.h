@@ -6,9 +6,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <utility>
-
-#include "burin/render/crossings.h"
 
 namespace burin {
 
@@ -54,17 +53,21 @@ struct CellsOfLines {
   }
 };
 
+/// What ends a stretch of a scratch: the scratch's own end, or the outline of another groove (lines along it, to its
+/// left and right, and the lines across its two ends).
+enum class LineBoundary : std::uint8_t { own_end, side_minus, side_plus, first_end, last_end };
+
 /// A stretch of a line, mm from its first end, and what of a groove's outline bounds it. Empty if from >= to.
 struct LineStretch {
   double from = 0, to = 0;
-  PieceEnd::Boundary from_boundary = PieceEnd::Boundary::own_end, to_boundary = PieceEnd::Boundary::own_end;
+  LineBoundary from_boundary = LineBoundary::own_end, to_boundary = LineBoundary::own_end;
 
   bool is_empty() const { return !(from < to); }
 };
 
 /// Leaves of a stretch what has a + b t between `low` and `high`, t being the distance along the line.
-inline void clip_stretch(LineStretch& stretch, double a, double b, double low, double high, PieceEnd::Boundary at_low,
-                         PieceEnd::Boundary at_high) {
+inline void clip_stretch(LineStretch& stretch, double a, double b, double low, double high, LineBoundary at_low,
+                         LineBoundary at_high) {
   constexpr double kParallel = 1e-12;
   if (std::abs(b) < kParallel) {
     if (a < low || a > high) stretch.to = stretch.from;
@@ -94,7 +97,7 @@ inline GrooveMet groove_met(const Eigen::Vector2d& first_mm, const Eigen::Vector
 
 /// What of a line so long lies within `reach_mm` of the groove's middle line.
 inline LineStretch covered_stretch(const GrooveMet& met, double line_mm, double reach_mm) {
-  using Boundary = PieceEnd::Boundary;
+  using Boundary = LineBoundary;
   LineStretch out{.to = line_mm};
   clip_stretch(out, met.across, met.across_slope, -reach_mm, reach_mm, Boundary::side_minus, Boundary::side_plus);
   if (!out.is_empty())

@@ -24,7 +24,6 @@
 #include "burin/render/bench.h"
 #include "burin/render/board.h"
 #include "burin/render/carve.h"
-#include "burin/render/crossings.h"
 #include "burin/render/line_cuts.h"
 #include "burin/render/scratches.h"
 
