@@ -123,8 +123,8 @@ TEST(Picture, ABmpOfRunsIsReadOrNamed) {
   const std::string runs("\4\377\0\0\4\0\0\0\0\1", 10);  // four white, end of row, four black, end of row, end
   const std::uint32_t head = 14 + 40 + 1024;
   const std::string bmp = "BM" + number(head + 10, 4) + number(0, 4) + number(head, 4) + number(40, 4) + number(4, 4) +
-                          number(2, 4) + number(1, 2) + number(8, 2) + number(1, 4) + number(10, 4) + number(0, 16) +
-                          palette + runs;
+                          number(2, 4) + number(1, 2) + number(8, 2) + number(1, 4) + number(10, 4) +
+                          std::string(16, '\0') + palette + runs;
   try {
     const Image image = read_picture(folder.write("runs.bmp", bmp));
     EXPECT_NEAR(image.at(0, 1), 1, 1e-6);
