@@ -190,6 +190,8 @@ struct RefineRun {
   void find_large_lamps();
   void choose_crossings();
   void fit_middle();
+  void refuse_other_grooves(const std::vector<std::size_t>& photos) const;
+  void refuse_another_board();
   void compare_grooves();
   void drop_spots();
   void find_spots();
@@ -387,27 +389,42 @@ void RefineRun::fit_middle() {
 }
 
 // Photos of another board have tags that fit, and every number that is fitted to them is a phantom's.
+void RefineRun::refuse_other_grooves(const std::vector<std::size_t>& photos) const {
+  std::string list;
+  for (const std::size_t k : photos)
+    list += (list.empty() ? "" : ", ") + out.bench.views[data.photos[k].photo.view].name;
+  fail(board.scratches.empty() ? "the scratches" : board.scratches.string(),
+       "the grooves in the photos are not the ones that it lists: are these photos of another board, or of another "
+       "round? (" +
+           counted(photos.size(), "photo") + ", of views " + list + ", show none of them at its place)",
+       "give the photos of the board that was carved from it, or name the scratches of the board that they show");
+}
+
+// After the first fit only a plain case is refused. The fits that follow would look for long in such photos.
+void RefineRun::refuse_another_board() {
+  constexpr double kPlainly = 0.25;  // own boards share 0.83 or more after the first fit, others at most 0.10
+  light_around(state, data);
+  const std::vector<GrooveAgreement> agreements = groove_agreements(data, state);
+  const std::vector<std::size_t> other = photos_of_other_grooves(agreements);
+  const bool plain =
+      std::all_of(other.begin(), other.end(), [&](std::size_t k) { return agreements[k].share < kPlainly; });
+  if (!other.empty() && plain && 2 * other.size() > data.photos.size()) refuse_other_grooves(other);
+}
+
 void RefineRun::compare_grooves() {
   tell("comparing grooves", 0);
   light_around(state, data);
   const std::vector<GrooveAgreement> agreements = groove_agreements(data, state);
   const std::vector<std::size_t> other = photos_of_other_grooves(agreements);
   if (other.empty()) return;
-  for (const std::size_t k : other) {
+  const auto telling = static_cast<std::size_t>(
+      std::count_if(agreements.begin(), agreements.end(), [](const GrooveAgreement& a) { return a.tells; }));
+  if (2 * other.size() > telling) refuse_other_grooves(other);
+  for (const std::size_t k : other) {  // reported when it is known whether a lamp's move explains them
     const std::string& view = out.bench.views[data.photos[k].photo.view].name;
     if (std::find(out.other_grooves.begin(), out.other_grooves.end(), view) == out.other_grooves.end())
       out.other_grooves.push_back(view);
   }
-  const auto telling = static_cast<std::size_t>(
-      std::count_if(agreements.begin(), agreements.end(), [](const GrooveAgreement& a) { return a.tells; }));
-  if (2 * other.size() <= telling) return;  // told when it is known whether a lamp's move explains them
-  std::string list;
-  for (const std::string& name : out.other_grooves) list += (list.empty() ? "" : ", ") + name;
-  fail(board.scratches.empty() ? "the scratches" : board.scratches.string(),
-       "the grooves in the photos are not the ones that it lists: are these photos of another board, or of another "
-       "round? (" +
-           counted(other.size(), "photo") + ", of views " + list + ", show none of them at its place)",
-       "give the photos of the board that was carved from it, or name the scratches of the board that they show");
 }
 
 // A spot whose fall-off the photos do not show is a bare lamp: its aim and exponent would only trade with each other,
@@ -881,16 +898,27 @@ void RefineRun::judge() {
 }
 
 // From rough and quick to fine: each stage starts where the one before ended.
-constexpr std::array kStages{&RefineRun::find_lamp,        &RefineRun::try_grooves,
-                             &RefineRun::fit_coarse,       &RefineRun::drop_spots,
-                             &RefineRun::find_large_lamps, &RefineRun::find_stray,
-                             &RefineRun::choose_crossings, &RefineRun::fit_middle,
-                             &RefineRun::compare_grooves,  &RefineRun::drop_spots,
-                             &RefineRun::find_spots,       &RefineRun::drop_stray,
-                             &RefineRun::find_effects,     &RefineRun::fit_finest,
-                             &RefineRun::drop_stray,       &RefineRun::leave_out_what_lies_on_the_board,
-                             &RefineRun::free_geometry,    &RefineRun::free_depth_field,
-                             &RefineRun::doubt_profile,    &RefineRun::judge};
+constexpr std::array kStages{&RefineRun::find_lamp,
+                             &RefineRun::try_grooves,
+                             &RefineRun::fit_coarse,
+                             &RefineRun::refuse_another_board,
+                             &RefineRun::drop_spots,
+                             &RefineRun::find_large_lamps,
+                             &RefineRun::find_stray,
+                             &RefineRun::choose_crossings,
+                             &RefineRun::fit_middle,
+                             &RefineRun::compare_grooves,
+                             &RefineRun::drop_spots,
+                             &RefineRun::find_spots,
+                             &RefineRun::drop_stray,
+                             &RefineRun::find_effects,
+                             &RefineRun::fit_finest,
+                             &RefineRun::drop_stray,
+                             &RefineRun::leave_out_what_lies_on_the_board,
+                             &RefineRun::free_geometry,
+                             &RefineRun::free_depth_field,
+                             &RefineRun::doubt_profile,
+                             &RefineRun::judge};
 
 }  // namespace
 
