@@ -19,14 +19,14 @@
 #include "burin/calib/verdict/next_photo.h"
 #include "burin/capture/photo.h"
 #include "burin/capture/tags/tag_family.h"
-#include "burin/render/board_face.h"
-#include "burin/render/error.h"
-#include "burin/render/files/decimals.h"
-#include "burin/render/files/files_together.h"
-#include "burin/render/files/json_file.h"
-#include "burin/render/median.h"
-#include "burin/render/parameter_name.h"
-#include "burin/render/scratches.h"
+#include "burin/scene/board_face.h"
+#include "burin/base/error.h"
+#include "burin/base/files/decimals.h"
+#include "burin/base/files/files_together.h"
+#include "burin/base/files/json_file.h"
+#include "burin/base/median.h"
+#include "burin/scene/parameter_name.h"
+#include "burin/scene/scratches.h"
 
 namespace burin {
 namespace {

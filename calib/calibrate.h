@@ -21,10 +21,10 @@
 #include "burin/calib/camera_look.h"
 #include "burin/calib/geometry/board_solver.h"
 #include "burin/capture/session.h"
-#include "burin/render/bench.h"
-#include "burin/render/board.h"
-#include "burin/render/finding.h"
-#include "burin/render/progress.h"
+#include "burin/scene/bench.h"
+#include "burin/scene/board.h"
+#include "burin/base/finding.h"
+#include "burin/base/progress.h"
 
 namespace burin {
 

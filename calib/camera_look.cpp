@@ -13,9 +13,9 @@
 #include "burin/capture/bracket_response.h"
 #include "burin/capture/green_sites.h"
 #include "burin/capture/tags/edge_sharpening.h"
-#include "burin/render/error.h"
-#include "burin/render/files/decimals.h"
-#include "burin/render/median.h"
+#include "burin/base/error.h"
+#include "burin/base/files/decimals.h"
+#include "burin/base/median.h"
 
 namespace burin {
 namespace {

@@ -14,8 +14,8 @@
 #include "burin/capture/photo.h"
 #include "burin/capture/session.h"
 #include "burin/capture/tags/tag_detector.h"
-#include "burin/render/finding.h"
-#include "burin/render/sensor.h"
+#include "burin/base/finding.h"
+#include "burin/scene/sensor.h"
 
 namespace burin {
 

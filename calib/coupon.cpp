@@ -14,11 +14,11 @@
 #include "burin/calib/refine.h"
 #include "burin/calib/verdict/camera_place.h"
 #include "burin/calib/verdict/refine_result.h"
-#include "burin/render/degrees.h"
-#include "burin/render/error.h"
-#include "burin/render/files/decimals.h"
-#include "burin/render/groove.h"
-#include "burin/render/parameter_name.h"
+#include "burin/base/degrees.h"
+#include "burin/base/error.h"
+#include "burin/base/files/decimals.h"
+#include "burin/scene/groove.h"
+#include "burin/scene/parameter_name.h"
 
 namespace burin {
 namespace {

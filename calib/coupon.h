@@ -1,4 +1,4 @@
-// burin/calib/coupon.h - three photos of a coupon (burin/render/coupon.h) into what its machine carves: depth and
+// burin/calib/coupon.h - three photos of a coupon (burin/scene/coupon.h) into what its machine carves: depth and
 // roughness of each cell, how well they repeat, wear, and whether the direction of travel matters. Frame: the coupon's
 // board, mm. docs/calibration.md, "The coupon".
 //
@@ -17,12 +17,12 @@
 #include "burin/calib/verdict/coupon_statistics.h"
 #include "burin/calib/verdict/refinement.h"
 #include "burin/capture/photo.h"
-#include "burin/render/bench.h"
-#include "burin/render/board.h"
-#include "burin/render/coupon.h"
-#include "burin/render/progress.h"
-#include "burin/render/scratches.h"
-#include "burin/render/verdict.h"
+#include "burin/scene/bench.h"
+#include "burin/scene/board.h"
+#include "burin/scene/coupon.h"
+#include "burin/base/progress.h"
+#include "burin/scene/scratches.h"
+#include "burin/scene/verdict.h"
 
 namespace burin {
 

@@ -12,8 +12,8 @@
 #include "burin/calib/photo/glare_fit.h"
 #include "burin/calib/photo/photo_problem.h"
 #include "burin/calib/verdict/refine_result.h"
-#include "burin/render/error.h"
-#include "burin/render/files/decimals.h"
+#include "burin/base/error.h"
+#include "burin/base/files/decimals.h"
 
 namespace burin {
 namespace {

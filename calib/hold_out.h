@@ -13,9 +13,9 @@
 #include "burin/calib/geometry/board_solver.h"
 #include "burin/calib/refine.h"
 #include "burin/capture/photo.h"
-#include "burin/render/board.h"
-#include "burin/render/carve.h"
-#include "burin/render/progress.h"
+#include "burin/scene/board.h"
+#include "burin/scene/carve.h"
+#include "burin/base/progress.h"
 
 namespace burin {
 

@@ -13,10 +13,10 @@
 #include "burin/calib/light/probe/find_ball.h"
 #include "burin/calib/light/probe/probe_panorama.h"
 #include "burin/calib/light/probe/probe_photos.h"
-#include "burin/render/error.h"
-#include "burin/render/far_light.h"
-#include "burin/render/files/decimals.h"
-#include "burin/render/median.h"
+#include "burin/base/error.h"
+#include "burin/scene/far_light.h"
+#include "burin/base/files/decimals.h"
+#include "burin/base/median.h"
 
 namespace burin {
 namespace {

@@ -15,11 +15,11 @@
 #include "burin/calib/light/probe/mirror_ball.h"
 #include "burin/calib/light/probe/seen.h"
 #include "burin/capture/session.h"
-#include "burin/render/bench.h"
-#include "burin/render/board.h"
-#include "burin/render/finding.h"
-#include "burin/render/image.h"
-#include "burin/render/progress.h"
+#include "burin/scene/bench.h"
+#include "burin/scene/board.h"
+#include "burin/base/finding.h"
+#include "burin/base/image.h"
+#include "burin/base/progress.h"
 
 namespace burin {
 

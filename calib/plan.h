@@ -15,11 +15,11 @@
 #include <vector>
 
 #include "burin/calib/verdict/camera_place.h"
-#include "burin/render/bench.h"
-#include "burin/render/board.h"
-#include "burin/render/carve.h"
-#include "burin/render/progress.h"
-#include "burin/render/verdict.h"
+#include "burin/scene/bench.h"
+#include "burin/scene/board.h"
+#include "burin/scene/carve.h"
+#include "burin/base/progress.h"
+#include "burin/scene/verdict.h"
 
 namespace burin {
 

@@ -34,11 +34,11 @@
 #include "burin/calib/verdict/odd_photos.h"
 #include "burin/calib/verdict/photo_uncertainty.h"
 #include "burin/calib/verdict/refine_result.h"
-#include "burin/render/board_face.h"
-#include "burin/render/error.h"
-#include "burin/render/files/decimals.h"
-#include "burin/render/median.h"
-#include "burin/render/parameter_name.h"
+#include "burin/scene/board_face.h"
+#include "burin/base/error.h"
+#include "burin/base/files/decimals.h"
+#include "burin/base/median.h"
+#include "burin/scene/parameter_name.h"
 
 namespace burin {
 

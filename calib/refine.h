@@ -28,10 +28,10 @@
 #include "burin/calib/verdict/refinement.h"
 #include "burin/capture/photo.h"
 #include "burin/capture/session.h"
-#include "burin/render/bench.h"
-#include "burin/render/board.h"
-#include "burin/render/carve.h"
-#include "burin/render/progress.h"
+#include "burin/scene/bench.h"
+#include "burin/scene/board.h"
+#include "burin/scene/carve.h"
+#include "burin/base/progress.h"
 
 namespace burin {
 

@@ -17,8 +17,8 @@
 #include <vector>
 
 #include "burin/capture/session.h"
-#include "burin/render/finding.h"
-#include "burin/render/response.h"
+#include "burin/base/finding.h"
+#include "burin/scene/response.h"
 
 namespace burin {
 

@@ -10,14 +10,14 @@
 #include <ctime>
 #include <string_view>
 
-#include "burin/render/error.h"
-#include "burin/render/files/file_colors.h"
-#include "burin/render/files/file_names.h"
-#include "burin/render/files/input_file.h"
-#include "burin/render/files/picture_file.h"
-#include "burin/render/files/printable.h"
-#include "burin/render/files/table.h"
-#include "burin/render/limits.h"
+#include "burin/base/error.h"
+#include "burin/pictures/file_colors.h"
+#include "burin/base/files/file_names.h"
+#include "burin/base/files/input_file.h"
+#include "burin/pictures/picture_file.h"
+#include "burin/base/files/printable.h"
+#include "burin/base/files/table.h"
+#include "burin/base/limits.h"
 
 namespace burin {
 namespace {

@@ -21,7 +21,7 @@ struct Exif {
   int orientation = 1;                    ///< EXIF's code; 1: as stored. Never applied to pixels
   std::string make, model;
   std::optional<bool> auto_white;  ///< whether the camera chose the white balance anew for this photo
-  /// By its own words (burin/render/files/file_colors.h) the file's values lie along the sRGB curve, are in proportion
+  /// By its own words (burin/pictures/file_colors.h) the file's values lie along the sRGB curve, are in proportion
   /// to light, or lie along another curve, which read_photo() undoes.
   bool says_srgb = false, says_linear = false, says_curve = false;
   /// Its EXIF calls its color space uncalibrated, and no profile tells which it is.

@@ -12,13 +12,13 @@
 #include "burin/capture/photo_memory.h"
 #include "burin/capture/preflight.h"
 #include "burin/capture/same_shot.h"
-#include "burin/render/board.h"
-#include "burin/render/error.h"
-#include "burin/render/files/decimals.h"
-#include "burin/render/files/input_file.h"
-#include "burin/render/files/json_file.h"
-#include "burin/render/limits.h"
-#include "burin/render/median.h"
+#include "burin/scene/board.h"
+#include "burin/base/error.h"
+#include "burin/base/files/decimals.h"
+#include "burin/base/files/input_file.h"
+#include "burin/base/files/json_file.h"
+#include "burin/base/limits.h"
+#include "burin/base/median.h"
 
 namespace burin {
 namespace {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "burin/capture/photo.h"
-#include "burin/render/median.h"
+#include "burin/base/median.h"
 
 namespace burin {
 namespace {

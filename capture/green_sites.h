@@ -5,13 +5,13 @@
 // are smaller than a pixel that loses light: a program that looks for edges takes the neighbors that agree with one
 // another, and these are the dark ones. Photos with few bright glints lose most, up to two per cent, which looks like
 // another roughness and another depth. Where green was measured, brightness is measured, too
-// (keep_green_sites(), burin/render/response.h).
+// (keep_green_sites(), burin/scene/response.h).
 #pragma once
 
 #include <span>
 
 #include "burin/capture/session.h"
-#include "burin/render/response.h"
+#include "burin/scene/response.h"
 
 namespace burin {
 

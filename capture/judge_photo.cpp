@@ -10,7 +10,7 @@
 #include "burin/capture/exif.h"
 #include "burin/capture/photo.h"
 #include "burin/capture/tags/tag_look.h"
-#include "burin/render/median.h"
+#include "burin/base/median.h"
 
 namespace burin {
 namespace {

@@ -16,9 +16,9 @@
 #include "burin/capture/exif.h"
 #include "burin/capture/photo_look.h"
 #include "burin/capture/tags/board_pose.h"
-#include "burin/render/board.h"
-#include "burin/render/finding.h"
-#include "burin/render/lens.h"
+#include "burin/scene/board.h"
+#include "burin/base/finding.h"
+#include "burin/scene/lens.h"
 
 namespace burin {
 

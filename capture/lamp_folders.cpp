@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "burin/render/files/file_names.h"
+#include "burin/base/files/file_names.h"
 
 namespace burin {
 namespace {

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "burin/render/image.h"
+#include "burin/base/image.h"
 
 namespace burin {
 
@@ -13,7 +13,7 @@ struct StoredAs {
   double step = 0;     ///< one stored level, in units of the full range; 0 for floating-point files
   bool srgb = false;   ///< levels lie along the sRGB curve
   bool lossy = false;  ///< JPEG
-  /// Where a response of its own (burin/render/response.h) bends that curve: linear widths of one level at the squares
+  /// Where a response of its own (burin/scene/response.h) bends that curve: linear widths of one level at the squares
   /// of i / (size - 1). Empty: it does not.
   std::vector<float> bent_steps;
 };

@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <limits>
 
-#include "burin/render/median.h"
+#include "burin/base/median.h"
 
 namespace burin {
 namespace {

@@ -13,12 +13,12 @@
 #include <utility>
 
 #include "burin/capture/photo_memory.h"
-#include "burin/render/error.h"
-#include "burin/render/files/file_colors.h"
-#include "burin/render/files/input_file.h"
-#include "burin/render/files/picture_file.h"
-#include "burin/render/glare.h"
-#include "burin/render/limits.h"
+#include "burin/base/error.h"
+#include "burin/pictures/file_colors.h"
+#include "burin/base/files/input_file.h"
+#include "burin/pictures/picture_file.h"
+#include "burin/scene/glare.h"
+#include "burin/base/limits.h"
 
 namespace burin {
 namespace {

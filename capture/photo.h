@@ -13,8 +13,8 @@
 #include "burin/capture/linear_photo.h"
 #include "burin/capture/noise.h"
 #include "burin/capture/session.h"
-#include "burin/render/footprint_grid.h"
-#include "burin/render/image.h"
+#include "burin/scene/footprint_grid.h"
+#include "burin/base/image.h"
 
 namespace burin {
 

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "burin/capture/judge_photo.h"
-#include "burin/render/median.h"
+#include "burin/base/median.h"
 
 namespace burin {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "burin/capture/session.h"
 #include "burin/capture/tags/seen_tag.h"
-#include "burin/render/board.h"
+#include "burin/scene/board.h"
 
 namespace burin {
 

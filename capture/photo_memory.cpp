@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <string>
 
-#include "burin/render/error.h"
-#include "burin/render/files/input_file.h"
-#include "burin/render/files/picture_header.h"
-#include "burin/render/limits.h"
+#include "burin/base/error.h"
+#include "burin/base/files/input_file.h"
+#include "burin/pictures/picture_header.h"
+#include "burin/base/limits.h"
 
 namespace burin {
 

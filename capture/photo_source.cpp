@@ -7,10 +7,10 @@
 #include <utility>
 
 #include "burin/capture/same_shot.h"
-#include "burin/render/error.h"
-#include "burin/render/files/input_file.h"
-#include "burin/render/files/printable.h"
-#include "burin/render/limits.h"
+#include "burin/base/error.h"
+#include "burin/base/files/input_file.h"
+#include "burin/base/files/printable.h"
+#include "burin/base/limits.h"
 
 namespace burin {
 namespace {

@@ -12,7 +12,7 @@
 
 #include "burin/capture/incoming_photo.h"
 #include "burin/capture/lamp_folders.h"
-#include "burin/render/finding.h"
+#include "burin/base/finding.h"
 
 namespace burin {
 

@@ -11,10 +11,10 @@
 #include "burin/capture/photo.h"
 #include "burin/capture/photo_memory.h"
 #include "burin/capture/tags/tag_coverage.h"
-#include "burin/render/board.h"
-#include "burin/render/error.h"
-#include "burin/render/files/decimals.h"
-#include "burin/render/median.h"
+#include "burin/scene/board.h"
+#include "burin/base/error.h"
+#include "burin/base/files/decimals.h"
+#include "burin/base/median.h"
 
 namespace burin {
 namespace {

@@ -15,8 +15,8 @@
 #include "burin/capture/exif.h"
 #include "burin/capture/photo_look.h"
 #include "burin/capture/session.h"
-#include "burin/render/finding.h"
-#include "burin/render/progress.h"
+#include "burin/base/finding.h"
+#include "burin/base/progress.h"
 
 namespace burin {
 

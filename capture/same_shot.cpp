@@ -9,10 +9,10 @@
 #include <tuple>
 
 #include "burin/capture/photo.h"
-#include "burin/render/error.h"
-#include "burin/render/files/decimals.h"
-#include "burin/render/files/input_file.h"
-#include "burin/render/limits.h"
+#include "burin/base/error.h"
+#include "burin/base/files/decimals.h"
+#include "burin/base/files/input_file.h"
+#include "burin/base/limits.h"
 
 namespace burin {
 namespace {

@@ -17,7 +17,7 @@
 #include "burin/capture/incoming_photo.h"
 #include "burin/capture/photo_look.h"
 #include "burin/capture/session.h"
-#include "burin/render/finding.h"
+#include "burin/base/finding.h"
 
 namespace burin {
 

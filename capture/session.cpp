@@ -5,11 +5,11 @@
 #include <set>
 #include <utility>
 
-#include "burin/render/error.h"
-#include "burin/render/files/camera_effects_json.h"
-#include "burin/render/files/input_file.h"
-#include "burin/render/files/json_file.h"
-#include "burin/render/limits.h"
+#include "burin/base/error.h"
+#include "burin/scene/files/camera_effects_json.h"
+#include "burin/base/files/input_file.h"
+#include "burin/base/files/json_file.h"
+#include "burin/base/limits.h"
 
 namespace burin {
 namespace {

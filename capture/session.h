@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "burin/render/sensor.h"
+#include "burin/scene/sensor.h"
 
 namespace burin {
 

@@ -3,8 +3,8 @@
 // Ends with 0 if cameras and lamp are where they were.
 #include <burin/calib/calibrate.h>
 #include <burin/capture/folder_session.h>
-#include <burin/capture/simulator/simulated_camera.h>
-#include <burin/render/error.h>
+#include <burin/simulate/simulated_camera.h>
+#include <burin/base/error.h>
 
 #include <algorithm>
 #include <cstdio>

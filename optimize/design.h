@@ -5,16 +5,16 @@
 // and searches for better places in turns (design/stroke_search.h); on the way it drops the scratches that hardly
 // contribute. The pixels are those of the picture as it lies on the carve area (board_grid), seen from each view's
 // camera center under its lights: the lens does not matter. The bench may be nominal or measured: in every iteration
-// the scratches are carved as its machine would (burin/render/carve.h), the tool path compensating its map. Frame:
+// the scratches are carved as its machine would (burin/scene/carve.h), the tool path compensating its map. Frame:
 // board, mm. Same seed, same bits, for any number of threads. Sources: docs/model.md 6.
 #pragma once
 
 #include "burin/optimize/design_file.h"
 #include "burin/optimize/design_options.h"
 #include "burin/optimize/design_result.h"
-#include "burin/render/bench.h"
-#include "burin/render/board.h"
-#include "burin/render/progress.h"
+#include "burin/scene/bench.h"
+#include "burin/scene/board.h"
+#include "burin/base/progress.h"
 
 namespace burin {
 

@@ -4,9 +4,9 @@
 #include <set>
 
 #include "burin/optimize/white.h"
-#include "burin/render/bench.h"
-#include "burin/render/error.h"
-#include "burin/render/files/json_file.h"
+#include "burin/scene/bench.h"
+#include "burin/base/error.h"
+#include "burin/base/files/json_file.h"
 
 namespace burin {
 namespace {

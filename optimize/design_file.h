@@ -17,7 +17,7 @@
 #include <string>
 #include <vector>
 
-#include "burin/render/image.h"
+#include "burin/base/image.h"
 
 namespace burin {
 
@@ -60,7 +60,7 @@ struct White {
 /// One picture that the board is to show.
 struct DesignView {
   std::string view;            ///< name in bench.json
-  std::string light = "lamp";  ///< id in bench.json, or several joined by kBesides (burin/render/bench.h)
+  std::string light = "lamp";  ///< id in bench.json, or several joined by kBesides (burin/scene/bench.h)
   TargetSpec target;
   double weight = 1;  ///< of this view's loss
   /// The target is shown in color: each scratch throws the color of one of the lights. Else as luminance.

@@ -9,9 +9,9 @@
 
 #include "burin/optimize/loss/loss.h"
 #include "burin/optimize/machine_profile.h"
-#include "burin/render/finding.h"
-#include "burin/render/image.h"
-#include "burin/render/scratches.h"
+#include "burin/base/finding.h"
+#include "burin/base/image.h"
+#include "burin/scene/scratches.h"
 
 namespace burin {
 
@@ -59,7 +59,7 @@ struct DesignOptions {
       0;  ///< how far eye and lamp may stand aside (burin/optimize/design/design_views.h); 0: not at all
   double min_length = 1e-3;     ///< shortest scratch, as a fraction of the board's longer edge
   double max_length_mm = 0;     ///< longest scratch; 0: any
-  MachineLimits machine;        ///< obeyed exactly by the result (burin/optimize/carving/carving_limits.h)
+  MachineLimits machine;        ///< obeyed exactly by the result (burin/optimize/toolpath/carving_limits.h)
   Scratches carved;             ///< in the metal already, where they lie; DesignSpec::scratches counts them too
   double start_exposure = 0.2;  ///< random start: times the exposure that matches the pictures' means
   double exposure_rate = 0.02;  ///< Adam's, in log(exposure) an iteration; 0 holds it

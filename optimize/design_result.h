@@ -8,13 +8,13 @@
 #include <string>
 #include <vector>
 
-#include "burin/optimize/carving/carving_limits.h"
+#include "burin/optimize/toolpath/carving_limits.h"
 #include "burin/optimize/design/tolerance.h"
 #include "burin/optimize/loss/color_metrics.h"
 #include "burin/optimize/loss/loss.h"
-#include "burin/render/finding.h"
-#include "burin/render/image.h"
-#include "burin/render/scratches.h"
+#include "burin/base/finding.h"
+#include "burin/base/image.h"
+#include "burin/scene/scratches.h"
 
 namespace burin {
 

@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <string_view>
 
-#include "burin/render/error.h"
+#include "burin/base/error.h"
 
 namespace burin {
 

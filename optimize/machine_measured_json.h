@@ -2,7 +2,7 @@
 #pragma once
 
 #include "burin/optimize/machine_measured.h"
-#include "burin/render/files/json_file.h"
+#include "burin/base/files/json_file.h"
 
 namespace burin {
 

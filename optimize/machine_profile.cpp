@@ -4,12 +4,12 @@
 #include <array>
 #include <cmath>
 
-#include "burin/optimize/carving/toml_file.h"
+#include "burin/optimize/toolpath/toml_file.h"
 #include "burin/optimize/machine_measured_json.h"
-#include "burin/render/error.h"
-#include "burin/render/files/decimals.h"
-#include "burin/render/files/json_file.h"
-#include "burin/render/physical_bounds.h"
+#include "burin/base/error.h"
+#include "burin/base/files/decimals.h"
+#include "burin/base/files/json_file.h"
+#include "burin/scene/physical_bounds.h"
 
 namespace burin {
 namespace {

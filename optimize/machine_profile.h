@@ -19,7 +19,7 @@
 // In TOML the same keys stand before `=`, and `limits` is a table of its own.
 //
 // {z_safe} is Z of the ways beside its line: safe_z_mm above the face, higher where a way crosses what stands on the
-// sheet, and in `start` and `end` above all of it (burin/optimize/carving/workpiece.h).
+// sheet, and in `start` and `end` above all of it (burin/optimize/toolpath/workpiece.h).
 //
 // Blocks are lines in which {name} is replaced: {z_safe} {feed} {plunge_feed} {rapid} {rapid_z} {force} everywhere, and
 // in `per_scratch` also {x0} {y0} {x1} {y1} {z_carve} (below the face, so negative) {z1} (the same at the other end,
@@ -75,7 +75,7 @@ struct MachineBounds {
   Eigen::Vector2d min_mm{0, 0}, max_mm{0, 0};
 };
 
-/// What the machine and its cutter can do to a board; 0: no such limit. burin/optimize/carving/carving_limits.h says
+/// What the machine and its cutter can do to a board; 0: no such limit. burin/optimize/toolpath/carving_limits.h says
 /// what each means exactly.
 struct MachineLimits {
   double step_mm = 0;      ///< both ends lie on multiples of it, as the machine is told them

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <utility>
 
-#include "burin/render/degrees.h"
-#include "burin/render/error.h"
-#include "burin/render/linear_picture.h"
+#include "burin/base/degrees.h"
+#include "burin/base/error.h"
+#include "burin/pictures/linear_picture.h"
 
 namespace burin {
 namespace {

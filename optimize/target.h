@@ -1,7 +1,7 @@
 // burin/optimize/target.h - any picture as the target of one view: gamma-encoded luminance on the pixels of the carve
 // area.
 //
-// The result is laid on the board's grid (burin/render/footprint_grid.h, board_grid): row 0 at the carve area's top
+// The result is laid on the board's grid (burin/scene/footprint_grid.h, board_grid): row 0 at the carve area's top
 // edge (largest y), white is 1. Color becomes luminance in linear light and is encoded with gamma 2.2, which is what
 // designs are compared in (docs/model.md 5.10). Pictures wider or higher than the area are cropped about their center,
 // or so that one edge stays (or shown whole on black), transparent ones lie on white, 16 bits keep theirs, .exr and
@@ -14,9 +14,9 @@
 #include <vector>
 
 #include "burin/optimize/design_file.h"
-#include "burin/render/bench.h"
-#include "burin/render/finding.h"
-#include "burin/render/image.h"
+#include "burin/scene/bench.h"
+#include "burin/base/finding.h"
+#include "burin/base/image.h"
 
 namespace burin {
 

@@ -8,16 +8,16 @@
 #include <string_view>
 #include <system_error>
 
-#include "burin/optimize/carving/gcode_line.h"
-#include "burin/optimize/carving/release_check.h"
-#include "burin/optimize/carving/sheet.h"
-#include "burin/optimize/carving/toolpath_check.h"
-#include "burin/render/error.h"
-#include "burin/render/files/file_names.h"
-#include "burin/render/files/files_together.h"
-#include "burin/render/files/input_file.h"
-#include "burin/render/files/json_file.h"
-#include "burin/render/parameter_name.h"
+#include "burin/optimize/toolpath/gcode_line.h"
+#include "burin/optimize/toolpath/release_check.h"
+#include "burin/optimize/toolpath/sheet.h"
+#include "burin/optimize/toolpath/toolpath_check.h"
+#include "burin/base/error.h"
+#include "burin/base/files/file_names.h"
+#include "burin/base/files/files_together.h"
+#include "burin/base/files/input_file.h"
+#include "burin/base/files/json_file.h"
+#include "burin/scene/parameter_name.h"
 
 namespace burin {
 namespace {

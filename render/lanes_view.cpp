@@ -13,11 +13,11 @@
 #include <span>
 #include <utility>
 
-#include "burin/render/error.h"
+#include "burin/base/error.h"
 #include "burin/render/exact/exact_view.h"
-#include "burin/render/fast/machine_clones.h"
-#include "burin/render/groove_profile.h"
-#include "burin/render/lamp_size.h"
+#include "burin/base/machine_clones.h"
+#include "burin/scene/groove_profile.h"
+#include "burin/scene/lamp_size.h"
 
 namespace burin {
 namespace {

@@ -14,12 +14,12 @@
 #include <memory>
 #include <vector>
 
-#include "burin/render/crossings.h"
+#include "burin/scene/crossings.h"
 #include "burin/render/groove_sums.h"
-#include "burin/render/image.h"
+#include "burin/base/image.h"
 #include "burin/render/pixel_shading.h"
-#include "burin/render/scratch_gradients.h"
-#include "burin/render/scratches.h"
+#include "burin/scene/scratch_gradients.h"
+#include "burin/scene/scratches.h"
 #include "burin/render/view_scene.h"
 
 namespace burin {

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "burin/render/far_light.h"
+#include "burin/scene/far_light.h"
 #include "burin/render/scene_parts.h"
 
 namespace burin {

@@ -6,10 +6,10 @@
 #include <memory>
 #include <vector>
 
-#include "burin/render/image.h"
+#include "burin/base/image.h"
 #include "burin/render/lamp_view.h"
-#include "burin/render/scratch_gradients.h"
-#include "burin/render/scratches.h"
+#include "burin/scene/scratch_gradients.h"
+#include "burin/scene/scratches.h"
 #include "burin/render/surroundings/surroundings_view.h"
 #include "burin/render/view_scene.h"
 

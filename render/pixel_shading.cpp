@@ -5,7 +5,7 @@
 #include <string>
 
 #include "burin/render/brdf.h"
-#include "burin/render/error.h"
+#include "burin/base/error.h"
 
 namespace burin {
 

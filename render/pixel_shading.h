@@ -5,8 +5,8 @@
 
 #include <Eigen/Core>
 
-#include "burin/render/bench.h"
-#include "burin/render/board.h"
+#include "burin/scene/bench.h"
+#include "burin/scene/board.h"
 
 namespace burin {
 

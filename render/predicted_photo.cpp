@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "burin/render/board_face.h"
+#include "burin/scene/board_face.h"
 #include "burin/render/view_renderer.h"
 
 namespace burin {

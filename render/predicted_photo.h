@@ -2,12 +2,12 @@
 // Pixels: the center of the top-left pixel is (0, 0).
 #pragma once
 
-#include "burin/render/bench.h"
-#include "burin/render/board.h"
-#include "burin/render/carve.h"
-#include "burin/render/footprint_grid.h"
-#include "burin/render/image.h"
-#include "burin/render/sensor.h"
+#include "burin/scene/bench.h"
+#include "burin/scene/board.h"
+#include "burin/scene/carve.h"
+#include "burin/scene/footprint_grid.h"
+#include "burin/base/image.h"
+#include "burin/scene/sensor.h"
 
 namespace burin {
 

@@ -9,7 +9,7 @@
 #include <array>
 #include <optional>
 
-#include "burin/render/bend.h"
+#include "burin/scene/bend.h"
 #include "burin/render/groove_sums.h"
 #include "burin/render/pixel_shading.h"
 #include "burin/render/view_renderer.h"

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "burin/render/error.h"
+#include "burin/base/error.h"
 #include "burin/render/exact/exact_sums.h"
 #include "burin/render/exact/exact_view.h"
 #include "burin/render/fast/fast_view.h"

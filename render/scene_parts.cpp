@@ -1,6 +1,6 @@
 #include "burin/render/scene_parts.h"
 
-#include "burin/render/lamp_size.h"
+#include "burin/scene/lamp_size.h"
 
 namespace burin {
 

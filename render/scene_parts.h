@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "burin/render/image.h"
+#include "burin/base/image.h"
 #include "burin/render/view_scene.h"
 
 namespace burin {

@@ -3,8 +3,8 @@
 #include <string>
 #include <utility>
 
-#include "burin/render/board_face.h"
-#include "burin/render/error.h"
+#include "burin/scene/board_face.h"
+#include "burin/base/error.h"
 #include "burin/render/exact/exact_view.h"
 #include "burin/render/fast/pairs.h"
 #include "burin/render/lamp_view.h"

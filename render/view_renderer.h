@@ -8,11 +8,11 @@
 #include <span>
 #include <vector>
 
-#include "burin/render/bench.h"
-#include "burin/render/carve.h"
-#include "burin/render/footprint_grid.h"
-#include "burin/render/image.h"
-#include "burin/render/scratch_gradients.h"
+#include "burin/scene/bench.h"
+#include "burin/scene/carve.h"
+#include "burin/scene/footprint_grid.h"
+#include "burin/base/image.h"
+#include "burin/scene/scratch_gradients.h"
 #include "burin/render/view_scene.h"
 
 namespace burin {

@@ -8,10 +8,10 @@
 #include <memory>
 #include <vector>
 
-#include "burin/render/footprint_grid.h"
-#include "burin/render/light.h"
-#include "burin/render/material.h"
-#include "burin/render/simd_width.h"
+#include "burin/scene/footprint_grid.h"
+#include "burin/scene/light.h"
+#include "burin/scene/material.h"
+#include "burin/base/simd_width.h"
 
 namespace burin {
 
@@ -25,7 +25,7 @@ struct ViewScene {
   Eigen::Vector3d ambient{0, 0, 0};
   /// 1 for pixels whose face the lamp does not reach, width * height (of several lights one after the other, or none
   /// are hidden); empty: it reaches all that face it. make_scene fills it for faces that hide parts of themselves
-  /// (burin/render/board_face.h); for other occluders fill it with hidden_pixels().
+  /// (burin/scene/board_face.h); for other occluders fill it with hidden_pixels().
   std::vector<std::uint8_t> hidden_from_light;
 };
 

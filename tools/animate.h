@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
-#include "burin/render/bench.h"
-#include "burin/render/board.h"
-#include "burin/render/carve.h"
-#include "burin/render/progress.h"
+#include "burin/scene/bench.h"
+#include "burin/scene/board.h"
+#include "burin/scene/carve.h"
+#include "burin/base/progress.h"
 
 namespace burin {
 

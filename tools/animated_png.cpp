@@ -5,7 +5,7 @@
 #include <cmath>
 #include <string_view>
 
-#include "burin/render/error.h"
+#include "burin/base/error.h"
 
 namespace burin {
 namespace {

@@ -4,7 +4,7 @@
 #include <iterator>
 #include <vector>
 
-#include "burin/render/median.h"
+#include "burin/base/median.h"
 
 namespace burin {
 

@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "burin/render/image.h"
+#include "burin/base/image.h"
 
 namespace burin {
 

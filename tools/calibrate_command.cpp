@@ -5,8 +5,8 @@
 #include <memory>
 
 #include "burin/calib/calibrate.h"
-#include "burin/render/files/decimals.h"
-#include "burin/render/files/files_together.h"
+#include "burin/base/files/decimals.h"
+#include "burin/base/files/files_together.h"
 #include "tools/commands.h"
 #include "tools/hold_out_file.h"
 #include "tools/kept_memory.h"

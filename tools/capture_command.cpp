@@ -12,9 +12,9 @@
 #include <vector>
 
 #include "burin/capture/folder_session.h"
-#include "burin/render/bench.h"
-#include "burin/render/error.h"
-#include "burin/render/files/decimals.h"
+#include "burin/scene/bench.h"
+#include "burin/base/error.h"
+#include "burin/base/files/decimals.h"
 #include "tools/commands.h"
 #include "tools/kept_memory.h"
 #include "tools/loop/round_lamps.h"

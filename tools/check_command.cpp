@@ -7,8 +7,8 @@
 #include <system_error>
 #include <vector>
 
-#include "burin/render/error.h"
-#include "burin/render/files/decimals.h"
+#include "burin/base/error.h"
+#include "burin/base/files/decimals.h"
 #include "burin/render/footprint/ndf_cases.h"
 #include "tools/commands.h"
 #include "tools/loop/say.h"

@@ -38,8 +38,8 @@
 #include <utility>
 #include <vector>
 
-#include "burin/render/files/printable.h"
-#include "burin/render/finding.h"
+#include "burin/base/files/printable.h"
+#include "burin/base/finding.h"
 #include "tools/standard_streams.h"
 
 namespace burin {

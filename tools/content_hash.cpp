@@ -9,8 +9,8 @@
 #include <memory>
 #include <vector>
 
-#include "burin/render/error.h"
-#include "burin/render/files/input_file.h"
+#include "burin/base/error.h"
+#include "burin/base/files/input_file.h"
 
 namespace burin {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <array>
 
-#include "burin/render/error.h"
+#include "burin/base/error.h"
 #include "tools/base64.h"
 
 namespace burin {

@@ -1,4 +1,4 @@
-// burin coupon - a patch of test scratches that measures a machine. The work is in burin/optimize/carving/coupon.h
+// burin coupon - a patch of test scratches that measures a machine. The work is in burin/optimize/toolpath/coupon.h
 // (layout) and burin/calib/coupon.h (reading).
 
 #include <algorithm>
@@ -15,13 +15,13 @@
 #include "burin/capture/folder_session.h"
 #include "burin/capture/photo.h"
 #include "burin/capture/tags/tag_detector.h"
-#include "burin/optimize/carving/coupon.h"
+#include "burin/optimize/toolpath/coupon.h"
 #include "burin/optimize/duration.h"
 #include "burin/optimize/toolpath.h"
 #include "burin/optimize/write_measured_machine.h"
-#include "burin/render/error.h"
-#include "burin/render/files/files_together.h"
-#include "burin/render/files/json_file.h"
+#include "burin/base/error.h"
+#include "burin/base/files/files_together.h"
+#include "burin/base/files/json_file.h"
 #include "tools/commands.h"
 #include "tools/local_time.h"
 #include "tools/progress_bar.h"

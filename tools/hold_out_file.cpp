@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "burin/render/files/json_file.h"
+#include "burin/base/files/json_file.h"
 
 namespace burin {
 namespace {

@@ -2,7 +2,7 @@
 #include <exception>
 #include <filesystem>
 
-#include "burin/render/files/json_file.h"
+#include "burin/base/files/json_file.h"
 #include "tools/command_line.h"
 #include "tools/commands.h"
 #include "tools/manual.h"

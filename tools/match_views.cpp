@@ -8,9 +8,9 @@
 #include <optional>
 #include <set>
 
-#include "burin/render/error.h"
-#include "burin/render/files/json_file.h"
-#include "burin/render/parameter_name.h"
+#include "burin/base/error.h"
+#include "burin/base/files/json_file.h"
+#include "burin/scene/parameter_name.h"
 #include "tools/commands.h"
 
 namespace burin {

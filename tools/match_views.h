@@ -17,9 +17,9 @@
 
 #include "burin/optimize/design/tolerance.h"
 #include "burin/optimize/design_file.h"
-#include "burin/render/bench.h"
-#include "burin/render/board.h"
-#include "burin/render/finding.h"
+#include "burin/scene/bench.h"
+#include "burin/scene/board.h"
+#include "burin/base/finding.h"
 
 namespace burin {
 

@@ -12,9 +12,9 @@
 #include <string_view>
 #include <utility>
 
-#include "burin/render/error.h"
-#include "burin/render/files/json_file.h"
-#include "burin/render/files/named_paths.h"
+#include "burin/base/error.h"
+#include "burin/base/files/json_file.h"
+#include "burin/base/files/named_paths.h"
 #include "tools/standard_streams.h"
 #include "tools/stop_signal.h"
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "burin/optimize/design_file.h"
-#include "burin/render/bench.h"
+#include "burin/scene/bench.h"
 
 namespace burin {
 

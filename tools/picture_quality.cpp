@@ -7,9 +7,9 @@
 #include <limits>
 #include <numeric>
 
-#include "burin/render/error.h"
-#include "burin/render/files/decimals.h"
-#include "burin/render/files/json_file.h"
+#include "burin/base/error.h"
+#include "burin/base/files/decimals.h"
+#include "burin/base/files/json_file.h"
 
 namespace burin {
 

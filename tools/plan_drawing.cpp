@@ -9,7 +9,7 @@
 #include <set>
 #include <vector>
 
-#include "burin/render/files/svg.h"
+#include "burin/base/files/svg.h"
 
 namespace burin {
 namespace {

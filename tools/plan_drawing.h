@@ -4,7 +4,7 @@
 #include <string>
 
 #include "burin/calib/plan.h"
-#include "burin/render/board.h"
+#include "burin/scene/board.h"
 
 namespace burin {
 

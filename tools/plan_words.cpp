@@ -7,8 +7,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "burin/render/error.h"
-#include "burin/render/files/json_file.h"
+#include "burin/base/error.h"
+#include "burin/base/files/json_file.h"
 #include "tools/photographed_lamps.h"
 #include "tools/where_to_stand.h"
 

@@ -8,9 +8,9 @@
 
 #include "burin/calib/plan.h"
 #include "burin/optimize/design_file.h"
-#include "burin/render/bench.h"
-#include "burin/render/board.h"
-#include "burin/render/finding.h"
+#include "burin/scene/bench.h"
+#include "burin/scene/board.h"
+#include "burin/base/finding.h"
 
 namespace burin {
 

@@ -1,19 +1,19 @@
 // burin probe - the face as it lies on the machine: G-code that touches it, and what the controller said as a height
-// map. The work is in burin/optimize/carving/probe.h.
+// map. The work is in burin/optimize/toolpath/probe.h.
 #include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
 
-#include "burin/optimize/carving/gcode.h"
-#include "burin/optimize/carving/probe.h"
-#include "burin/optimize/carving/probe_check.h"
-#include "burin/optimize/carving/release_check.h"
-#include "burin/render/error.h"
-#include "burin/render/files/decimals.h"
-#include "burin/render/files/json_file.h"
-#include "burin/render/files/write_file.h"
+#include "burin/optimize/toolpath/gcode.h"
+#include "burin/optimize/toolpath/probe.h"
+#include "burin/optimize/toolpath/probe_check.h"
+#include "burin/optimize/toolpath/release_check.h"
+#include "burin/base/error.h"
+#include "burin/base/files/decimals.h"
+#include "burin/base/files/json_file.h"
+#include "burin/base/files/write_file.h"
 #include "tools/commands.h"
 #include "tools/probe_light_command.h"
 #include "tools/progress_bar.h"

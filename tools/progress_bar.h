@@ -10,7 +10,7 @@
 #include <string_view>
 #include <thread>
 
-#include "burin/render/progress.h"
+#include "burin/base/progress.h"
 
 namespace burin {
 

@@ -7,9 +7,9 @@
 #include <string_view>
 #include <system_error>
 
-#include "burin/render/files/input_file.h"
-#include "burin/render/files/json_file.h"
-#include "burin/render/limits.h"
+#include "burin/base/files/input_file.h"
+#include "burin/base/files/json_file.h"
+#include "burin/base/limits.h"
 
 namespace burin {
 namespace {

@@ -3,8 +3,8 @@
 #include <CLI/Error.hpp>
 #include <type_traits>
 
-#include "burin/render/files/decimals.h"
-#include "burin/render/files/table.h"
+#include "burin/base/files/decimals.h"
+#include "burin/base/files/table.h"
 #include "tools/commands.h"
 #include "tools/loop/options.h"
 

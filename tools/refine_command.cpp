@@ -7,11 +7,11 @@
 #include <string>
 
 #include "burin/calib/refine.h"
-#include "burin/render/error.h"
-#include "burin/render/files/decimals.h"
-#include "burin/render/files/files_together.h"
-#include "burin/render/groove.h"
-#include "burin/render/parameter_name.h"
+#include "burin/base/error.h"
+#include "burin/base/files/decimals.h"
+#include "burin/base/files/files_together.h"
+#include "burin/scene/groove.h"
+#include "burin/scene/parameter_name.h"
 #include "tools/commands.h"
 #include "tools/hold_out_file.h"
 #include "tools/kept_memory.h"

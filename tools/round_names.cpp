@@ -4,9 +4,9 @@
 #include <set>
 
 #include "burin/capture/session.h"
-#include "burin/render/bench_of_board.h"
-#include "burin/render/error.h"
-#include "burin/render/files/json_file.h"
+#include "burin/scene/bench_of_board.h"
+#include "burin/base/error.h"
+#include "burin/base/files/json_file.h"
 
 namespace burin {
 namespace {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "burin/render/files/json_file.h"
+#include "burin/base/files/json_file.h"
 
 namespace burin {
 namespace {

@@ -5,11 +5,11 @@
 #include <optional>
 #include <vector>
 
-#include "burin/render/error.h"
-#include "burin/render/files/decimals.h"
-#include "burin/render/files/files_together.h"
-#include "burin/render/files/json_file.h"
-#include "burin/render/scratches.h"
+#include "burin/base/error.h"
+#include "burin/base/files/decimals.h"
+#include "burin/base/files/files_together.h"
+#include "burin/base/files/json_file.h"
+#include "burin/scene/scratches.h"
 #include "tools/commands.h"
 #include "tools/drawing/pdf.h"
 #include "tools/loop/printed_sheet.h"

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "burin/capture/simulator/simulated_camera.h"
+#include "burin/simulate/simulated_camera.h"
 #include "tools/commands.h"
 #include "tools/progress_bar.h"
 #include "tools/work_lock.h"

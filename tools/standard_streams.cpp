@@ -8,9 +8,9 @@
 #include <cerrno>
 #include <cstdio>
 
-#include "burin/render/files/file_error.h"
-#include "burin/render/files/printable.h"
-#include "burin/render/files/write_file.h"
+#include "burin/base/files/file_error.h"
+#include "burin/base/files/printable.h"
+#include "burin/base/files/write_file.h"
 
 namespace burin {
 

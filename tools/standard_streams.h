@@ -22,7 +22,7 @@ void say_text(std::string_view text);
 /// not be written (a full disk behind `>`): a script must not take that for a result.
 int exit_code_with_output_checked(int exit_code);
 
-/// While it lives: where a command's --out is "-", its file goes to standard output (burin/render/files/write_file.h),
+/// While it lives: where a command's --out is "-", its file goes to standard output (burin/base/files/write_file.h),
 /// and what it says to standard error.
 class ResultToOutput {
  public:

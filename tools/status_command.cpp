@@ -3,8 +3,8 @@
 #include <filesystem>
 #include <memory>
 
-#include "burin/render/error.h"
-#include "burin/render/files/json_file.h"
+#include "burin/base/error.h"
+#include "burin/base/files/json_file.h"
 #include "tools/commands.h"
 #include "tools/loop/say.h"
 #include "tools/loop/state.h"

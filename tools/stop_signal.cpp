@@ -16,9 +16,9 @@
 #include <mutex>
 #include <thread>
 
-#include "burin/render/error.h"
-#include "burin/render/files/file_error.h"
-#include "burin/render/files/unfinished.h"
+#include "burin/base/error.h"
+#include "burin/base/files/file_error.h"
+#include "burin/base/files/unfinished.h"
 
 namespace burin {
 namespace {

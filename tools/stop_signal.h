@@ -3,7 +3,7 @@
 //
 // One way for all commands. main() calls end_on_signals(); from then on a signal ends the process wherever it is: what
 // is being put in its place is still put there, all else that is unfinished is removed
-// (burin/render/files/unfinished.h), one sentence is said, and the exit code is 128 and the signal's number. This is
+// (burin/base/files/unfinished.h), one sentence is said, and the exit code is 128 and the signal's number. This is
 // done by a thread of its own, so that no loop of ours or of a library has to ask. It is as safe as a power cut, since
 // every result is put in its place in one step (docs/reliability.md).
 //

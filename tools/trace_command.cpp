@@ -5,8 +5,8 @@
 #include <set>
 #include <vector>
 
-#include "burin/render/error.h"
-#include "burin/render/files/decimals.h"
+#include "burin/base/error.h"
+#include "burin/base/files/decimals.h"
 #include "tools/commands.h"
 #include "tools/content_hash.h"
 #include "tools/loop/record.h"

@@ -8,8 +8,8 @@
 #include <set>
 
 #include "burin/calib/verdict/camera_place.h"
-#include "burin/render/error.h"
-#include "burin/render/median.h"
+#include "burin/base/error.h"
+#include "burin/base/median.h"
 #include "tools/photographed_lamps.h"
 
 namespace burin {

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "burin/optimize/design_file.h"
-#include "burin/render/bench.h"
-#include "burin/render/board.h"
+#include "burin/scene/bench.h"
+#include "burin/scene/board.h"
 #include "tools/match_views.h"
 
 namespace burin {

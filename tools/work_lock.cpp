@@ -13,11 +13,11 @@
 #include <thread>
 #include <utility>
 
-#include "burin/render/error.h"
-#include "burin/render/files/descriptor.h"
-#include "burin/render/files/file_error.h"
-#include "burin/render/files/json_file.h"
-#include "burin/render/files/named_paths.h"
+#include "burin/base/error.h"
+#include "burin/base/files/descriptor.h"
+#include "burin/base/files/file_error.h"
+#include "burin/base/files/json_file.h"
+#include "burin/base/files/named_paths.h"
 #include "tools/local_time.h"
 
 namespace burin {

@@ -10,9 +10,9 @@
 
 #include "burin/calib/geometry/lens_solver.h"
 #include "burin/calib/geometry/own_focal.h"
-#include "burin/render/error.h"
-#include "burin/render/files/decimals.h"
-#include "burin/render/median.h"
+#include "burin/base/error.h"
+#include "burin/base/files/decimals.h"
+#include "burin/base/median.h"
 
 namespace burin {
 namespace {

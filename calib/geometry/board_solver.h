@@ -19,10 +19,10 @@
 
 #include "burin/calib/geometry/bundle.h"
 #include "burin/capture/tags/tag_detector.h"
-#include "burin/render/bench.h"
-#include "burin/render/board.h"
-#include "burin/render/finding.h"
-#include "burin/render/progress.h"
+#include "burin/scene/bench.h"
+#include "burin/scene/board.h"
+#include "burin/base/finding.h"
+#include "burin/base/progress.h"
 
 namespace burin {
 

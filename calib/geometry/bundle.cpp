@@ -19,8 +19,8 @@ extern "C" {  // mrcal's headers have no guard for C++ of their own
 #include <span>
 
 #include "burin/calib/geometry/information.h"
-#include "burin/render/error.h"
-#include "burin/render/median.h"
+#include "burin/base/error.h"
+#include "burin/base/median.h"
 
 namespace burin {
 namespace {

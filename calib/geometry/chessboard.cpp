@@ -17,10 +17,10 @@
 
 #include "burin/capture/photo.h"
 #include "burin/capture/photo_source.h"
-#include "burin/render/error.h"
-#include "burin/render/files/table.h"
-#include "burin/render/limits.h"
-#include "burin/render/median.h"
+#include "burin/base/error.h"
+#include "burin/base/files/table.h"
+#include "burin/base/limits.h"
+#include "burin/base/median.h"
 
 namespace burin {
 namespace {

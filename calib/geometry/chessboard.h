@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "burin/calib/geometry/lens_solver.h"
-#include "burin/render/finding.h"
-#include "burin/render/progress.h"
+#include "burin/base/finding.h"
+#include "burin/base/progress.h"
 
 namespace burin {
 

@@ -6,10 +6,10 @@
 
 #include "burin/calib/geometry/bundle.h"
 #include "burin/calib/geometry/information.h"
-#include "burin/render/board_face.h"
-#include "burin/render/lens.h"
-#include "burin/render/median.h"
-#include "burin/render/parameter_name.h"
+#include "burin/scene/board_face.h"
+#include "burin/scene/lens.h"
+#include "burin/base/median.h"
+#include "burin/scene/parameter_name.h"
 
 namespace burin {
 

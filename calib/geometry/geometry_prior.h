@@ -15,8 +15,8 @@
 #include <Eigen/Geometry>
 #include <vector>
 
-#include "burin/render/bench.h"
-#include "burin/render/board.h"
+#include "burin/scene/bench.h"
+#include "burin/scene/board.h"
 
 namespace burin {
 

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "burin/render/error.h"
+#include "burin/base/error.h"
 
 namespace burin {
 namespace {

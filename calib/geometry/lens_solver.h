@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "burin/calib/geometry/bundle.h"
-#include "burin/render/lens.h"
+#include "burin/scene/lens.h"
 
 namespace burin {
 

@@ -14,9 +14,9 @@
 #include "burin/calib/light/lamp_area.h"
 #include "burin/calib/light/lamp_fit.h"
 #include "burin/calib/light/lamp_shapes.h"
-#include "burin/render/files/decimals.h"
-#include "burin/render/median.h"
-#include "burin/render/parameter_name.h"
+#include "burin/base/files/decimals.h"
+#include "burin/base/median.h"
+#include "burin/scene/parameter_name.h"
 
 namespace burin {
 namespace {

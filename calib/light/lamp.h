@@ -15,12 +15,12 @@
 
 #include "burin/calib/light/light_samples.h"
 #include "burin/capture/photo.h"
-#include "burin/render/bench.h"
-#include "burin/render/board.h"
-#include "burin/render/carve.h"
-#include "burin/render/face_grain.h"
-#include "burin/render/finding.h"
-#include "burin/render/light.h"
+#include "burin/scene/bench.h"
+#include "burin/scene/board.h"
+#include "burin/scene/carve.h"
+#include "burin/scene/face_grain.h"
+#include "burin/base/finding.h"
+#include "burin/scene/light.h"
 
 namespace burin {
 

@@ -4,7 +4,7 @@
 
 #include <array>
 
-#include "burin/render/light.h"
+#include "burin/scene/light.h"
 
 namespace burin {
 

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <utility>
 
-#include "burin/render/median.h"
+#include "burin/base/median.h"
 
 namespace burin {
 

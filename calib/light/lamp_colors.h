@@ -11,8 +11,8 @@
 #include "burin/capture/photo.h"
 #include "burin/capture/session.h"
 #include "burin/capture/tags/tag_detector.h"
-#include "burin/render/bench.h"
-#include "burin/render/board.h"
+#include "burin/scene/bench.h"
+#include "burin/scene/board.h"
 
 namespace burin {
 

@@ -8,7 +8,7 @@
 #include <numbers>
 #include <utility>
 
-#include "burin/render/lamp_size.h"
+#include "burin/scene/lamp_size.h"
 
 namespace burin {
 namespace {

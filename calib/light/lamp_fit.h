@@ -12,7 +12,7 @@
 
 #include "burin/calib/light/lamp_model.h"
 #include "burin/calib/light/light_samples.h"
-#include "burin/render/board.h"
+#include "burin/scene/board.h"
 
 namespace burin {
 

@@ -9,10 +9,10 @@
 #include <span>
 
 #include "burin/calib/light/light_samples.h"
-#include "burin/render/board.h"
+#include "burin/scene/board.h"
 #include "burin/render/brdf.h"
-#include "burin/render/face_grain.h"
-#include "burin/render/lamp_size.h"
+#include "burin/scene/face_grain.h"
+#include "burin/scene/lamp_size.h"
 #include "burin/render/pixel_shading.h"
 
 namespace burin {

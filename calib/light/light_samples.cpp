@@ -10,12 +10,12 @@
 #include <opencv2/imgproc.hpp>
 
 #include "burin/capture/tags/tag_family.h"
-#include "burin/render/board_face.h"
-#include "burin/render/error.h"
-#include "burin/render/far_light.h"
-#include "burin/render/groove.h"
-#include "burin/render/keep_out.h"
-#include "burin/render/median.h"
+#include "burin/scene/board_face.h"
+#include "burin/base/error.h"
+#include "burin/scene/far_light.h"
+#include "burin/scene/groove.h"
+#include "burin/scene/keep_out.h"
+#include "burin/base/median.h"
 #include "burin/render/pixel_shading.h"
 #include "burin/render/surroundings/seen_sources.h"
 #include "burin/render/view_renderer.h"

@@ -12,13 +12,13 @@
 #include <vector>
 
 #include "burin/capture/photo.h"
-#include "burin/render/bench.h"
-#include "burin/render/board.h"
-#include "burin/render/carve.h"
-#include "burin/render/finding.h"
-#include "burin/render/footprint_grid.h"
-#include "burin/render/image.h"
-#include "burin/render/lens.h"
+#include "burin/scene/bench.h"
+#include "burin/scene/board.h"
+#include "burin/scene/carve.h"
+#include "burin/base/finding.h"
+#include "burin/scene/footprint_grid.h"
+#include "burin/base/image.h"
+#include "burin/scene/lens.h"
 
 namespace burin {
 

@@ -9,8 +9,8 @@
 #include <set>
 #include <utility>
 
-#include "burin/render/files/decimals.h"
-#include "burin/render/median.h"
+#include "burin/base/files/decimals.h"
+#include "burin/base/median.h"
 
 namespace burin {
 namespace {

@@ -10,10 +10,10 @@
 
 #include "burin/calib/geometry/board_solver.h"
 #include "burin/calib/light/light_samples.h"
-#include "burin/render/bench.h"
-#include "burin/render/board.h"
-#include "burin/render/finding.h"
-#include "burin/render/image.h"
+#include "burin/scene/bench.h"
+#include "burin/scene/board.h"
+#include "burin/base/finding.h"
+#include "burin/base/image.h"
 
 namespace burin {
 

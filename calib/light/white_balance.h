@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "burin/capture/session.h"
-#include "burin/render/finding.h"
+#include "burin/base/finding.h"
 
 namespace burin {
 

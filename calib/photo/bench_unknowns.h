@@ -2,7 +2,7 @@
 #pragma once
 
 #include "burin/calib/photo/photo_problem.h"
-#include "burin/render/bench.h"
+#include "burin/scene/bench.h"
 
 namespace burin {
 

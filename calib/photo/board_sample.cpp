@@ -8,7 +8,7 @@
 #include <numeric>
 #include <vector>
 
-#include "burin/render/crossings.h"
+#include "burin/scene/crossings.h"
 
 namespace burin {
 namespace {

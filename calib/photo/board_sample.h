@@ -9,9 +9,9 @@
 #include <Eigen/Geometry>
 #include <vector>
 
-#include "burin/render/board.h"
-#include "burin/render/footprint_grid.h"
-#include "burin/render/scratches.h"
+#include "burin/scene/board.h"
+#include "burin/scene/footprint_grid.h"
+#include "burin/scene/scratches.h"
 
 namespace burin {
 

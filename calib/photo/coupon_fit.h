@@ -1,4 +1,4 @@
-// burin/calib/photo/coupon_fit.h - the photos of a coupon (burin/render/coupon.h) fitted fan by fan: each fan has a
+// burin/calib/photo/coupon_fit.h - the photos of a coupon (burin/scene/coupon.h) fitted fan by fan: each fan has a
 // depth and a roughness of its own, all share how depth changes with the direction of travel, and lamp, face, machine's
 // map, light and blur move along. Frame: board, mm. docs/calibration.md, "The coupon".
 //
@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "burin/calib/photo/photo_problem.h"
-#include "burin/render/coupon.h"
-#include "burin/render/progress.h"
-#include "burin/render/scratches.h"
+#include "burin/scene/coupon.h"
+#include "burin/base/progress.h"
+#include "burin/scene/scratches.h"
 
 namespace burin {
 

@@ -8,7 +8,7 @@
 #include <cstddef>
 
 #include "burin/calib/photo/photo_problem.h"
-#include "burin/render/progress.h"
+#include "burin/base/progress.h"
 
 namespace burin {
 

@@ -14,7 +14,7 @@
 #include "burin/calib/photo/machine_map.h"
 #include "burin/calib/photo/normal_system.h"
 #include "burin/calib/photo/photo_fit.h"
-#include "burin/render/groove.h"
+#include "burin/scene/groove.h"
 
 namespace burin {
 

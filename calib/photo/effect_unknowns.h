@@ -6,9 +6,9 @@
 #include <cmath>
 
 #include "burin/calib/photo/unknowns.h"
-#include "burin/render/face_grain.h"
-#include "burin/render/groove_profile.h"
-#include "burin/render/machine_errors.h"
+#include "burin/scene/face_grain.h"
+#include "burin/scene/groove_profile.h"
+#include "burin/scene/machine_errors.h"
 
 namespace burin {
 

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <cstddef>
 
-#include "burin/render/glare.h"
+#include "burin/scene/glare.h"
 
 namespace burin {
 namespace {

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "burin/render/carve.h"
+#include "burin/scene/carve.h"
 
 namespace burin {
 namespace {

@@ -7,7 +7,7 @@
 #pragma once
 
 #include "burin/calib/photo/photo_problem.h"
-#include "burin/render/progress.h"
+#include "burin/base/progress.h"
 
 namespace burin {
 

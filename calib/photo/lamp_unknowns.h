@@ -2,7 +2,7 @@
 #pragma once
 
 #include "burin/calib/photo/unknowns.h"
-#include "burin/render/light.h"
+#include "burin/scene/light.h"
 
 namespace burin {
 

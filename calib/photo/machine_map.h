@@ -5,7 +5,7 @@
 #include <Eigen/Core>
 
 #include "burin/calib/photo/unknowns.h"
-#include "burin/render/bench.h"
+#include "burin/scene/bench.h"
 
 namespace burin {
 

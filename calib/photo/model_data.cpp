@@ -6,7 +6,7 @@
 
 #include "burin/calib/photo/effect_unknowns.h"
 #include "burin/calib/photo/machine_map.h"
-#include "burin/render/groove_profile.h"
+#include "burin/scene/groove_profile.h"
 
 namespace burin {
 

@@ -7,10 +7,10 @@
 
 #include "burin/calib/photo/board_sample.h"
 #include "burin/calib/photo/unknowns.h"
-#include "burin/render/bench.h"
-#include "burin/render/board.h"
-#include "burin/render/carve.h"
-#include "burin/render/groove_field.h"
+#include "burin/scene/bench.h"
+#include "burin/scene/board.h"
+#include "burin/scene/carve.h"
+#include "burin/scene/groove_field.h"
 
 namespace burin {
 
@@ -24,8 +24,8 @@ struct ModelData {
   const Sent* sent = nullptr;
   /// How roughness varies, as a bench says: it is not fitted (field_choice.h).
   std::array<double, GrooveField::kTerms> alpha_field{};
-  Crossings crossings = Crossings::add;  ///< overlap: see burin/render/carve.h
-  CutInto cut{};                         ///< how grooves that are cut are laid (burin/render/carve.h)
+  Crossings crossings = Crossings::add;  ///< overlap: see burin/scene/carve.h
+  CutInto cut{};                         ///< how grooves that are cut are laid (burin/scene/carve.h)
   BoardSample sample{};                  ///< what photos look at, and carved_at() carves
   GrooveProfile profile;                 ///< its kind; its numbers are unknowns
   Eigen::Vector2d center_mm{0, 0};       ///< of the carve area

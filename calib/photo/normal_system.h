@@ -10,7 +10,7 @@
 
 #include "burin/calib/photo/normal_matrices.h"
 #include "burin/calib/photo/photo_problem.h"
-#include "burin/render/bench.h"
+#include "burin/scene/bench.h"
 
 namespace burin {
 

@@ -18,9 +18,9 @@
 #include "burin/calib/photo/lamp_unknowns.h"
 #include "burin/calib/photo/machine_map.h"
 #include "burin/calib/photo/stray_light.h"
-#include "burin/render/board_face.h"
-#include "burin/render/error.h"
-#include "burin/render/lamp_size.h"
+#include "burin/scene/board_face.h"
+#include "burin/base/error.h"
+#include "burin/scene/lamp_size.h"
 #include "burin/render/parts_derivatives.h"
 
 namespace burin {

@@ -14,12 +14,12 @@
 #include "burin/calib/photo/model_data.h"
 #include "burin/calib/photo/unknowns.h"
 #include "burin/calib/photo/workspace_pool.h"
-#include "burin/render/bench.h"
-#include "burin/render/board.h"
-#include "burin/render/carve.h"
-#include "burin/render/cell_grid.h"
-#include "burin/render/groove_field.h"
-#include "burin/render/scratches.h"
+#include "burin/scene/bench.h"
+#include "burin/scene/board.h"
+#include "burin/scene/carve.h"
+#include "burin/base/cell_grid.h"
+#include "burin/scene/groove_field.h"
+#include "burin/scene/scratches.h"
 #include "burin/render/view_renderer.h"
 
 namespace burin {

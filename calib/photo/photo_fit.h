@@ -5,7 +5,7 @@
 #include <string>
 
 #include "burin/calib/photo/photo_problem.h"
-#include "burin/render/progress.h"
+#include "burin/base/progress.h"
 
 namespace burin {
 

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <tuple>
 
-#include "burin/render/median.h"
+#include "burin/base/median.h"
 
 namespace burin {
 namespace {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "burin/calib/photo/groove_scatter.h"
-#include "burin/render/median.h"
+#include "burin/base/median.h"
 
 namespace burin {
 namespace {

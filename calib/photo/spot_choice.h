@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "burin/calib/photo/photo_problem.h"
-#include "burin/render/progress.h"
+#include "burin/base/progress.h"
 
 namespace burin {
 

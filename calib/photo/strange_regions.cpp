@@ -4,8 +4,8 @@
 #include <cmath>
 #include <string>
 
-#include "burin/render/cell_grid.h"
-#include "burin/render/files/decimals.h"
+#include "burin/base/cell_grid.h"
+#include "burin/base/files/decimals.h"
 
 namespace burin {
 namespace {

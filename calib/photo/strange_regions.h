@@ -16,7 +16,7 @@
 
 #include "burin/calib/light/light_samples.h"
 #include "burin/calib/photo/photo_problem.h"
-#include "burin/render/finding.h"
+#include "burin/base/finding.h"
 
 namespace burin {
 

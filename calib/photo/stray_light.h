@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "burin/calib/photo/unknowns.h"
-#include "burin/render/light.h"
+#include "burin/scene/light.h"
 
 namespace burin {
 

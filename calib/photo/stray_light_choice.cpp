@@ -15,7 +15,7 @@
 #include "burin/calib/photo/held_out_gains.h"
 #include "burin/calib/photo/normal_system.h"
 #include "burin/calib/photo/photo_fit.h"
-#include "burin/render/median.h"
+#include "burin/base/median.h"
 
 namespace burin {
 namespace {

@@ -8,7 +8,7 @@
 
 #include "burin/calib/photo/photo_problem.h"
 #include "burin/calib/photo/stray_light.h"
-#include "burin/render/progress.h"
+#include "burin/base/progress.h"
 
 namespace burin {
 

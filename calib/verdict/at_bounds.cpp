@@ -5,8 +5,8 @@
 #include <cmath>
 #include <string>
 
-#include "burin/render/files/decimals.h"
-#include "burin/render/parameter_name.h"
+#include "burin/base/files/decimals.h"
+#include "burin/scene/parameter_name.h"
 
 namespace burin {
 namespace {

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "burin/calib/photo/photo_problem.h"
-#include "burin/render/bench.h"
-#include "burin/render/finding.h"
+#include "burin/scene/bench.h"
+#include "burin/base/finding.h"
 
 namespace burin {
 

@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "burin/render/bench.h"
-#include "burin/render/board.h"
-#include "burin/render/lens.h"
+#include "burin/scene/bench.h"
+#include "burin/scene/board.h"
+#include "burin/scene/lens.h"
 
 namespace burin {
 

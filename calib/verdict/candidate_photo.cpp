@@ -10,11 +10,11 @@
 #include "burin/calib/photo/carved_states.h"
 #include "burin/calib/photo/effect_unknowns.h"
 #include "burin/calib/photo/paper_equation.h"
-#include "burin/render/board_face.h"
-#include "burin/render/error.h"
-#include "burin/render/files/decimals.h"
-#include "burin/render/footprint_grid.h"
-#include "burin/render/median.h"
+#include "burin/scene/board_face.h"
+#include "burin/base/error.h"
+#include "burin/base/files/decimals.h"
+#include "burin/scene/footprint_grid.h"
+#include "burin/base/median.h"
 
 namespace burin {
 namespace {

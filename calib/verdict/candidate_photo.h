@@ -16,9 +16,9 @@
 #include "burin/calib/photo/photo_problem.h"
 #include "burin/calib/verdict/camera_place.h"
 #include "burin/calib/verdict/identifiability.h"
-#include "burin/render/bench.h"
-#include "burin/render/board.h"
-#include "burin/render/lens.h"
+#include "burin/scene/bench.h"
+#include "burin/scene/board.h"
+#include "burin/scene/lens.h"
 
 namespace burin {
 

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "burin/calib/light/lamp.h"
-#include "burin/render/files/decimals.h"
+#include "burin/base/files/decimals.h"
 
 namespace burin {
 namespace {

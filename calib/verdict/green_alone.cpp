@@ -6,7 +6,7 @@
 #include "burin/calib/geometry/information.h"
 #include "burin/calib/photo/board_tiles.h"
 #include "burin/calib/photo/normal_system.h"
-#include "burin/render/median.h"
+#include "burin/base/median.h"
 
 namespace burin {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "burin/calib/photo/carved_states.h"
-#include "burin/render/median.h"
+#include "burin/base/median.h"
 
 namespace burin {
 namespace {

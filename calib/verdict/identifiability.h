@@ -18,9 +18,9 @@
 #include "burin/calib/photo/photo_problem.h"
 #include "burin/calib/verdict/half_samples.h"
 #include "burin/calib/verdict/photo_uncertainty.h"
-#include "burin/render/bench.h"
-#include "burin/render/board.h"
-#include "burin/render/carve.h"
+#include "burin/scene/bench.h"
+#include "burin/scene/board.h"
+#include "burin/scene/carve.h"
 
 namespace burin {
 

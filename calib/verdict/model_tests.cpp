@@ -10,8 +10,8 @@
 #include "burin/calib/photo/cauchy_loss.h"
 #include "burin/calib/photo/normal_system.h"
 #include "burin/calib/photo/paper_equation.h"
-#include "burin/render/groove.h"
-#include "burin/render/surface.h"
+#include "burin/scene/groove.h"
+#include "burin/scene/surface.h"
 
 namespace burin {
 namespace {

@@ -9,10 +9,10 @@
 #include "burin/calib/photo/bench_unknowns.h"
 #include "burin/calib/verdict/candidate_photo.h"
 #include "burin/calib/verdict/half_samples.h"
-#include "burin/render/files/decimals.h"
-#include "burin/render/files/file_names.h"
-#include "burin/render/median.h"
-#include "burin/render/parameter_name.h"
+#include "burin/base/files/decimals.h"
+#include "burin/base/files/file_names.h"
+#include "burin/base/median.h"
+#include "burin/scene/parameter_name.h"
 
 namespace burin {
 namespace {

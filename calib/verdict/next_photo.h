@@ -17,9 +17,9 @@
 #include "burin/calib/photo/photo_problem.h"
 #include "burin/calib/verdict/identifiability.h"
 #include "burin/calib/verdict/photo_uncertainty.h"
-#include "burin/render/bench.h"
-#include "burin/render/board.h"
-#include "burin/render/progress.h"
+#include "burin/scene/bench.h"
+#include "burin/scene/board.h"
+#include "burin/base/progress.h"
 
 namespace burin {
 

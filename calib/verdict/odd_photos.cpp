@@ -7,7 +7,7 @@
 
 #include "burin/calib/photo/unknowns.h"
 #include "burin/calib/verdict/model_tests.h"
-#include "burin/render/median.h"
+#include "burin/base/median.h"
 
 namespace burin {
 namespace {

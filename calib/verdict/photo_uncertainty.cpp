@@ -8,7 +8,7 @@
 #include "burin/calib/photo/board_tiles.h"
 #include "burin/calib/photo/normal_system.h"
 #include "burin/calib/verdict/model_tests.h"
-#include "burin/render/median.h"
+#include "burin/base/median.h"
 
 namespace burin {
 namespace {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "burin/calib/photo/photo_problem.h"
-#include "burin/render/misfit.h"
+#include "burin/scene/misfit.h"
 
 namespace burin {
 

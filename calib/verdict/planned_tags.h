@@ -3,7 +3,7 @@
 
 #include <cstddef>
 
-#include "burin/render/board.h"
+#include "burin/scene/board.h"
 
 namespace burin {
 

@@ -13,9 +13,9 @@
 #include "burin/calib/photo/bench_unknowns.h"
 #include "burin/calib/photo/machine_map.h"
 #include "burin/calib/photo/stray_light.h"
-#include "burin/render/files/decimals.h"
-#include "burin/render/median.h"
-#include "burin/render/parameter_name.h"
+#include "burin/base/files/decimals.h"
+#include "burin/base/median.h"
+#include "burin/scene/parameter_name.h"
 
 namespace burin {
 

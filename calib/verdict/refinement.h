@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "burin/render/bench.h"
-#include "burin/render/finding.h"
-#include "burin/render/verdict.h"
+#include "burin/scene/bench.h"
+#include "burin/base/finding.h"
+#include "burin/scene/verdict.h"
 
 namespace burin {
 

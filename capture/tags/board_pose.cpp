@@ -7,7 +7,7 @@
 #include <set>
 #include <utility>
 
-#include "burin/render/median.h"
+#include "burin/base/median.h"
 
 namespace burin {
 

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "burin/capture/photo_look.h"
-#include "burin/render/board.h"
-#include "burin/render/lens.h"
+#include "burin/scene/board.h"
+#include "burin/scene/lens.h"
 
 namespace burin {
 

@@ -8,8 +8,8 @@
 #include <optional>
 
 #include "burin/capture/photo.h"
-#include "burin/render/image.h"
-#include "burin/render/median.h"
+#include "burin/base/image.h"
+#include "burin/base/median.h"
 
 namespace burin {
 namespace {

@@ -4,7 +4,7 @@
 // Across a border paper steps from black to white. A lens, a pixel and any monotonic curve leave a step that rises all
 // the way; an unsharp mask leaves white paper brighter beside the edge than further out. How much is seen here, photo
 // by photo. Amount and width of the mask do not follow from it: they trade with the lens's own blur. Who knows them can
-// write them into session.json, and they are taken back (burin/render/response.h).
+// write them into session.json, and they are taken back (burin/scene/response.h).
 #pragma once
 
 #include <span>

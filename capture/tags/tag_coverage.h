@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "burin/capture/photo_look.h"
-#include "burin/render/board.h"
+#include "burin/scene/board.h"
 
 namespace burin {
 

@@ -13,10 +13,10 @@
 #include <set>
 
 #include "burin/capture/tags/tag_family.h"
-#include "burin/render/error.h"
-#include "burin/render/files/decimals.h"
-#include "burin/render/limits.h"
-#include "burin/render/median.h"
+#include "burin/base/error.h"
+#include "burin/base/files/decimals.h"
+#include "burin/base/limits.h"
+#include "burin/base/median.h"
 
 namespace burin {
 namespace {

@@ -16,7 +16,7 @@
 #include <Eigen/Core>
 
 #include "burin/capture/tags/tag_fault.h"
-#include "burin/render/image.h"
+#include "burin/base/image.h"
 
 namespace burin {
 

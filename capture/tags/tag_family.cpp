@@ -15,7 +15,7 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "burin/render/error.h"
+#include "burin/base/error.h"
 
 namespace burin {
 namespace {

@@ -1,6 +1,6 @@
 #include "burin/capture/tags/tag_fault.h"
 
-#include "burin/render/files/decimals.h"
+#include "burin/base/files/decimals.h"
 
 namespace burin {
 

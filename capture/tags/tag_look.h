@@ -8,7 +8,7 @@
 
 #include "burin/capture/tags/seen_tag.h"
 #include "burin/capture/tags/tag_detector.h"
-#include "burin/render/image.h"
+#include "burin/base/image.h"
 
 namespace burin {
 

@@ -8,11 +8,11 @@
 #include <numeric>
 #include <utility>
 
-#include "burin/optimize/carving/ends.h"
+#include "burin/optimize/toolpath/ends.h"
 #include "burin/optimize/design/color_views.h"
 #include "burin/optimize/design/glint.h"
-#include "burin/render/groove.h"
-#include "burin/render/scratches.h"
+#include "burin/scene/groove.h"
+#include "burin/scene/scratches.h"
 
 namespace burin {
 namespace {

@@ -9,11 +9,11 @@
 
 #include "burin/optimize/design/design_views.h"
 #include "burin/optimize/design/to_metal.h"
-#include "burin/render/bench.h"
-#include "burin/render/board.h"
-#include "burin/render/carve.h"
-#include "burin/render/image.h"
-#include "burin/render/scratch_gradients.h"
+#include "burin/scene/bench.h"
+#include "burin/scene/board.h"
+#include "burin/scene/carve.h"
+#include "burin/base/image.h"
+#include "burin/scene/scratch_gradients.h"
 
 namespace burin {
 

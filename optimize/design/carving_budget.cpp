@@ -5,7 +5,7 @@
 #include <numeric>
 #include <utility>
 
-#include "burin/optimize/carving/carving_time.h"
+#include "burin/optimize/toolpath/carving_time.h"
 #include "burin/optimize/loss/color_metrics.h"
 
 namespace burin {

@@ -1,7 +1,7 @@
 // burin/optimize/design/carving_budget.h - designs that can be carved in the hours there are.
 //
 // What a scratch costs is the machine's time for it: along it, down and up again
-// (burin/optimize/carving/carving_time.h), and its share of the ways through the air. To save time, the scratches go
+// (burin/optimize/toolpath/carving_time.h), and its share of the ways through the air. To save time, the scratches go
 // that are worth least for what they cost (stroke_search.h, spare_order).
 #pragma once
 

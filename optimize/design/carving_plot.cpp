@@ -5,8 +5,8 @@
 #include <numeric>
 #include <utility>
 
-#include "burin/render/error.h"
-#include "burin/render/files/decimals.h"
+#include "burin/base/error.h"
+#include "burin/base/files/decimals.h"
 
 namespace burin {
 namespace {

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "burin/optimize/design/glint.h"
-#include "burin/render/finding.h"
+#include "burin/base/finding.h"
 
 namespace burin {
 

@@ -7,10 +7,10 @@
 
 #include "burin/optimize/loss/color_metrics.h"
 #include "burin/optimize/white.h"
-#include "burin/render/degrees.h"
-#include "burin/render/error.h"
-#include "burin/render/far_light.h"
-#include "burin/render/files/decimals.h"
+#include "burin/base/degrees.h"
+#include "burin/base/error.h"
+#include "burin/scene/far_light.h"
+#include "burin/base/files/decimals.h"
 
 namespace burin {
 namespace {

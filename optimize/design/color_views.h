@@ -12,10 +12,10 @@
 
 #include "burin/optimize/design/glint.h"
 #include "burin/optimize/design_file.h"
-#include "burin/render/bench.h"
-#include "burin/render/board.h"
-#include "burin/render/finding.h"
-#include "burin/render/image.h"
+#include "burin/scene/bench.h"
+#include "burin/scene/board.h"
+#include "burin/base/finding.h"
+#include "burin/base/image.h"
 
 namespace burin {
 

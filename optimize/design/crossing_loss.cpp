@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "burin/optimize/design/shown_light.h"
-#include "burin/render/blur.h"
+#include "burin/scene/blur.h"
 
 namespace burin {
 namespace {

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "burin/optimize/design/design_views.h"
-#include "burin/render/carve.h"
-#include "burin/render/image.h"
+#include "burin/scene/carve.h"
+#include "burin/base/image.h"
 
 namespace burin {
 

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <utility>
 
-#include "burin/render/board_mesh.h"
-#include "burin/render/error.h"
-#include "burin/render/files/decimals.h"
+#include "burin/scene/board_mesh.h"
+#include "burin/base/error.h"
+#include "burin/base/files/decimals.h"
 
 namespace burin {
 namespace {

@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "burin/render/board_face.h"
-#include "burin/render/finding.h"
-#include "burin/render/image.h"
+#include "burin/scene/board_face.h"
+#include "burin/base/finding.h"
+#include "burin/base/image.h"
 
 namespace burin {
 

@@ -18,7 +18,7 @@
 #include "burin/optimize/design/stroke_field.h"
 #include "burin/optimize/design/stroke_types.h"
 #include "burin/optimize/design/to_metal.h"
-#include "burin/render/scratches.h"
+#include "burin/scene/scratches.h"
 
 namespace burin {
 

@@ -7,8 +7,8 @@
 #include <string>
 #include <utility>
 
-#include "burin/optimize/carving/carving_time.h"
-#include "burin/optimize/carving/ends.h"
+#include "burin/optimize/toolpath/carving_time.h"
+#include "burin/optimize/toolpath/ends.h"
 #include "burin/optimize/design/carving_budget.h"
 #include "burin/optimize/design/crossing_loss.h"
 #include "burin/optimize/design/design_output.h"
@@ -17,8 +17,8 @@
 #include "burin/optimize/design/weak_scratches.h"
 #include "burin/optimize/loss/color_metrics.h"
 #include "burin/render/brdf.h"
-#include "burin/render/error.h"
-#include "burin/render/files/decimals.h"
+#include "burin/base/error.h"
+#include "burin/base/files/decimals.h"
 
 namespace burin {
 namespace {

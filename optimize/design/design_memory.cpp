@@ -7,8 +7,8 @@
 #include <fstream>
 #include <limits>
 
-#include "burin/render/error.h"
-#include "burin/render/files/decimals.h"
+#include "burin/base/error.h"
+#include "burin/base/files/decimals.h"
 
 namespace burin {
 namespace {

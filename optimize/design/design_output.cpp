@@ -6,12 +6,12 @@
 #include <set>
 
 #include "burin/optimize/design/carving_plot.h"
-#include "burin/render/error.h"
-#include "burin/render/files/file_names.h"
-#include "burin/render/files/files_together.h"
-#include "burin/render/files/json_file.h"
-#include "burin/render/files/machine_json.h"
-#include "burin/render/simd_width.h"
+#include "burin/base/error.h"
+#include "burin/base/files/file_names.h"
+#include "burin/base/files/files_together.h"
+#include "burin/base/files/json_file.h"
+#include "burin/scene/files/machine_json.h"
+#include "burin/base/simd_width.h"
 
 namespace burin {
 namespace {

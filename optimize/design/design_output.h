@@ -38,9 +38,9 @@
 
 #include "burin/optimize/design_file.h"
 #include "burin/optimize/design_result.h"
-#include "burin/render/bench.h"
-#include "burin/render/board.h"
-#include "burin/render/image.h"
+#include "burin/scene/bench.h"
+#include "burin/scene/board.h"
+#include "burin/base/image.h"
 
 namespace burin {
 

@@ -6,12 +6,12 @@
 #include <cstdint>
 #include <vector>
 
-#include "burin/optimize/carving/carving_limits.h"
+#include "burin/optimize/toolpath/carving_limits.h"
 #include "burin/optimize/design/stroke_search.h"
 #include "burin/optimize/design_options.h"
-#include "burin/render/bench.h"
-#include "burin/render/board.h"
-#include "burin/render/scratches.h"
+#include "burin/scene/bench.h"
+#include "burin/scene/board.h"
+#include "burin/scene/scratches.h"
 
 namespace burin {
 

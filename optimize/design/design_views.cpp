@@ -10,7 +10,7 @@
 #include <set>
 #include <utility>
 
-#include "burin/optimize/carving/ends.h"
+#include "burin/optimize/toolpath/ends.h"
 #include "burin/optimize/design/curved_views.h"
 #include "burin/optimize/design/direction_light.h"
 #include "burin/optimize/design/glint.h"
@@ -19,12 +19,12 @@
 #include "burin/optimize/design/to_metal.h"
 #include "burin/optimize/loss/color_metrics.h"
 #include "burin/optimize/loss/picture_metrics.h"
-#include "burin/render/bench_of_board.h"
-#include "burin/render/error.h"
-#include "burin/render/files/input_file.h"
-#include "burin/render/groove.h"
-#include "burin/render/keep_out.h"
-#include "burin/render/limits.h"
+#include "burin/scene/bench_of_board.h"
+#include "burin/base/error.h"
+#include "burin/base/files/input_file.h"
+#include "burin/scene/groove.h"
+#include "burin/scene/keep_out.h"
+#include "burin/base/limits.h"
 
 namespace burin {
 namespace {

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "burin/render/error.h"
-#include "burin/render/files/decimals.h"
+#include "burin/base/error.h"
+#include "burin/base/files/decimals.h"
 
 namespace burin {
 namespace {

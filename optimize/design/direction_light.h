@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "burin/optimize/design/glint.h"
-#include "burin/render/finding.h"
+#include "burin/base/finding.h"
 #include "burin/render/view_renderer.h"
 
 namespace burin {

@@ -18,8 +18,8 @@
 #include <vector>
 
 #include "burin/optimize/design_file.h"
-#include "burin/render/bench.h"
-#include "burin/render/board_face.h"
+#include "burin/scene/bench.h"
+#include "burin/scene/board_face.h"
 
 namespace burin {
 

@@ -6,10 +6,10 @@
 #include <string>
 
 #include "burin/optimize/design/collisions.h"
-#include "burin/render/degrees.h"
-#include "burin/render/error.h"
-#include "burin/render/files/decimals.h"
-#include "burin/render/steepest_lean.h"
+#include "burin/base/degrees.h"
+#include "burin/base/error.h"
+#include "burin/base/files/decimals.h"
+#include "burin/scene/steepest_lean.h"
 
 namespace burin {
 namespace {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "burin/optimize/design/glint.h"
-#include "burin/render/finding.h"
+#include "burin/base/finding.h"
 
 namespace burin {
 

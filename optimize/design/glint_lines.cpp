@@ -5,8 +5,8 @@
 #include <numbers>
 #include <numeric>
 
-#include "burin/optimize/carving/ends.h"
-#include "burin/render/groove_profile.h"
+#include "burin/optimize/toolpath/ends.h"
+#include "burin/scene/groove_profile.h"
 
 namespace burin {
 namespace {

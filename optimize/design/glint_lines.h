@@ -5,7 +5,7 @@
 // asks for. There another groove takes its light where that one's surface is lower, which is a stretch of the line at
 // each crossing; and what its other wall loses is not missed (docs/model.md 6.11). So of a groove that is bright in a
 // view whole pieces are left, a few for each crossing, where all that is left of all grooves takes steps of their width
-// (burin/render/crossings.h), five for each, in all views.
+// (burin/scene/crossings.h), five for each, in all views.
 // Frame: board, mm.
 #pragma once
 
@@ -21,11 +21,11 @@
 #include <vector>
 
 #include "burin/optimize/design/glint.h"
-#include "burin/render/bench.h"
-#include "burin/render/board.h"
-#include "burin/render/carve.h"
-#include "burin/render/line_cuts.h"
-#include "burin/render/scratches.h"
+#include "burin/scene/bench.h"
+#include "burin/scene/board.h"
+#include "burin/scene/carve.h"
+#include "burin/scene/line_cuts.h"
+#include "burin/scene/scratches.h"
 
 namespace burin {
 

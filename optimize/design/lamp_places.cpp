@@ -12,9 +12,9 @@
 #include "burin/optimize/design/color_views.h"
 #include "burin/optimize/design/curved_views.h"
 #include "burin/optimize/design/to_metal.h"
-#include "burin/render/degrees.h"
-#include "burin/render/files/decimals.h"
-#include "burin/render/steepest_lean.h"
+#include "burin/base/degrees.h"
+#include "burin/base/files/decimals.h"
+#include "burin/scene/steepest_lean.h"
 
 namespace burin {
 namespace {

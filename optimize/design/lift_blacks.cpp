@@ -4,7 +4,7 @@
 #include <cmath>
 #include <string>
 
-#include "burin/render/files/decimals.h"
+#include "burin/base/files/decimals.h"
 
 namespace burin {
 

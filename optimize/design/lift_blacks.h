@@ -9,7 +9,7 @@
 
 #include "burin/optimize/design/design_views.h"
 #include "burin/optimize/loss/loss.h"
-#include "burin/render/finding.h"
+#include "burin/base/finding.h"
 
 namespace burin {
 

@@ -5,7 +5,7 @@
 #include <optional>
 #include <utility>
 
-#include "burin/optimize/carving/ends.h"
+#include "burin/optimize/toolpath/ends.h"
 
 namespace burin {
 namespace {

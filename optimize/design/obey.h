@@ -1,5 +1,5 @@
 // burin/optimize/design/obey.h - a design's scratches brought under all rules of
-// burin/optimize/carving/carving_limits.h at the least loss.
+// burin/optimize/toolpath/carving_limits.h at the least loss.
 //
 // Rules of pairs (distance, overlap, grooves over one place) are what a design knows nothing of while it searches:
 // whether a scratch obeys them depends on all others. So scratches are mended - a hair aside, a little shorter - the
@@ -13,11 +13,11 @@
 #include <functional>
 #include <vector>
 
-#include "burin/optimize/carving/carving_limits.h"
+#include "burin/optimize/toolpath/carving_limits.h"
 #include "burin/optimize/design/design_views.h"
 #include "burin/optimize/design/stroke_search.h"
 #include "burin/optimize/design/to_metal.h"
-#include "burin/render/scratches.h"
+#include "burin/scene/scratches.h"
 
 namespace burin {
 

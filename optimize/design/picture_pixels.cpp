@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "burin/render/degrees.h"
-#include "burin/render/files/decimals.h"
+#include "burin/base/degrees.h"
+#include "burin/base/files/decimals.h"
 
 namespace burin {
 namespace {

@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "burin/optimize/design/design_views.h"
-#include "burin/render/crossings.h"
-#include "burin/render/finding.h"
+#include "burin/scene/crossings.h"
+#include "burin/base/finding.h"
 
 namespace burin {
 

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <limits>
 
-#include "burin/render/scattered.h"
+#include "burin/base/scattered.h"
 
 namespace burin {
 

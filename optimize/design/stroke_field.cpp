@@ -11,8 +11,8 @@
 #include <string>
 
 #include "burin/optimize/design/shown_light.h"
-#include "burin/render/error.h"
-#include "burin/render/fast/machine_clones.h"
+#include "burin/base/error.h"
+#include "burin/base/machine_clones.h"
 
 namespace burin {
 namespace {

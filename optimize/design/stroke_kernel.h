@@ -3,13 +3,13 @@
 //
 // A lane is a stroke; its operations do not depend on the other lanes, nor on how many of them a packet holds, and
 // there are no fused multiply-adds: every width comes to the same bits. One width is chosen at run time
-// (burin/render/simd_width.h). What is summed, and why the ends are the best ones: stroke_search.h, docs/model.md 6.5.
+// (burin/base/simd_width.h). What is summed, and why the ends are the best ones: stroke_search.h, docs/model.md 6.5.
 // Frames: board in mm; pixels of the picture, y down, counted from the window's corner.
 #pragma once
 
 #include <cstdint>
 
-#include "burin/render/simd_width.h"
+#include "burin/base/simd_width.h"
 
 namespace burin {
 

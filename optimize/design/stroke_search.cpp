@@ -13,7 +13,7 @@
 #include <set>
 #include <utility>
 
-#include "burin/optimize/carving/ends.h"
+#include "burin/optimize/toolpath/ends.h"
 #include "burin/optimize/design/random.h"
 #include "burin/optimize/design/shown_light.h"
 #include "burin/optimize/design/stroke_field.h"
@@ -21,8 +21,8 @@
 #include "burin/optimize/design/stroke_sweep.h"
 #include "burin/optimize/design/stroke_tiles.h"
 #include "burin/optimize/design/stroke_tries.h"
-#include "burin/render/error.h"
-#include "burin/render/scattered.h"
+#include "burin/base/error.h"
+#include "burin/base/scattered.h"
 
 namespace burin {
 namespace {

@@ -38,9 +38,9 @@
 #include "burin/optimize/design/glint.h"
 #include "burin/optimize/design/stroke_types.h"
 #include "burin/optimize/design/to_metal.h"
-#include "burin/render/carve.h"
-#include "burin/render/image.h"
-#include "burin/render/scratches.h"
+#include "burin/scene/carve.h"
+#include "burin/base/image.h"
+#include "burin/scene/scratches.h"
 #include "burin/render/view_renderer.h"
 
 namespace burin {

@@ -9,11 +9,11 @@
 #include <functional>
 #include <vector>
 
-#include "burin/optimize/carving/ends.h"
+#include "burin/optimize/toolpath/ends.h"
 #include "burin/optimize/design/stroke_field.h"
 #include "burin/optimize/design/stroke_tiles.h"
 #include "burin/optimize/design/stroke_types.h"
-#include "burin/render/scratches.h"
+#include "burin/scene/scratches.h"
 
 namespace burin {
 

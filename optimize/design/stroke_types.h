@@ -10,8 +10,8 @@
 
 #include "burin/optimize/design/glint.h"
 #include "burin/optimize/design/to_metal.h"
-#include "burin/render/groove_field.h"
-#include "burin/render/image.h"
+#include "burin/scene/groove_field.h"
+#include "burin/base/image.h"
 
 namespace burin {
 

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "burin/render/groove_profile.h"
+#include "burin/scene/groove_profile.h"
 
 namespace burin {
 

@@ -6,11 +6,11 @@
 #include <cstddef>
 #include <vector>
 
-#include "burin/render/bench.h"
-#include "burin/render/board.h"
-#include "burin/render/carve.h"
-#include "burin/render/groove_field.h"
-#include "burin/render/scratches.h"
+#include "burin/scene/bench.h"
+#include "burin/scene/board.h"
+#include "burin/scene/carve.h"
+#include "burin/scene/groove_field.h"
+#include "burin/scene/scratches.h"
 
 namespace burin {
 

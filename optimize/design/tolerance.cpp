@@ -6,8 +6,8 @@
 
 #include "burin/optimize/design/design_views.h"
 #include "burin/optimize/loss/color_metrics.h"
-#include "burin/render/carve.h"
-#include "burin/render/files/decimals.h"
+#include "burin/scene/carve.h"
+#include "burin/base/files/decimals.h"
 
 namespace burin {
 namespace {

@@ -15,11 +15,11 @@
 #include <vector>
 
 #include "burin/optimize/design_file.h"
-#include "burin/render/bench.h"
-#include "burin/render/board.h"
-#include "burin/render/image.h"
-#include "burin/render/progress.h"
-#include "burin/render/scratches.h"
+#include "burin/scene/bench.h"
+#include "burin/scene/board.h"
+#include "burin/base/image.h"
+#include "burin/base/progress.h"
+#include "burin/scene/scratches.h"
 
 namespace burin {
 

@@ -8,9 +8,9 @@
 #include "burin/optimize/design/bright_part.h"
 #include "burin/optimize/design/glint.h"
 #include "burin/optimize/loss/color_metrics.h"
-#include "burin/render/blur.h"
-#include "burin/render/files/decimals.h"
-#include "burin/render/groove_profile.h"
+#include "burin/scene/blur.h"
+#include "burin/base/files/decimals.h"
+#include "burin/scene/groove_profile.h"
 
 namespace burin {
 namespace {

@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "burin/optimize/design/design_views.h"
-#include "burin/render/bench.h"
-#include "burin/render/board.h"
-#include "burin/render/finding.h"
-#include "burin/render/image.h"
+#include "burin/scene/bench.h"
+#include "burin/scene/board.h"
+#include "burin/base/finding.h"
+#include "burin/base/image.h"
 
 namespace burin {
 

@@ -4,7 +4,7 @@
 
 #include <Eigen/Core>
 
-#include "burin/render/board.h"
+#include "burin/scene/board.h"
 
 namespace burin {
 

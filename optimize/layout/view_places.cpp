@@ -6,8 +6,8 @@
 #include <numbers>
 
 #include "burin/optimize/design/glint.h"
-#include "burin/render/degrees.h"
-#include "burin/render/groove.h"
+#include "burin/base/degrees.h"
+#include "burin/scene/groove.h"
 
 namespace burin {
 namespace {

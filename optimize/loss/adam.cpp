@@ -6,8 +6,8 @@
 #include <cmath>
 #include <utility>
 
-#include "burin/render/error.h"
-#include "burin/render/fast/machine_clones.h"
+#include "burin/base/error.h"
+#include "burin/base/machine_clones.h"
 
 namespace burin {
 namespace {

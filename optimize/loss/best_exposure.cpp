@@ -7,8 +7,8 @@
 #include "burin/optimize/loss/bands.h"
 #include "burin/optimize/loss/lane_sum.h"
 #include "burin/optimize/loss/picture_metrics.h"
-#include "burin/render/error.h"
-#include "burin/render/fast/machine_clones.h"
+#include "burin/base/error.h"
+#include "burin/base/machine_clones.h"
 
 namespace burin {
 namespace {

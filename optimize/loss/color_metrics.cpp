@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "burin/optimize/loss/picture_metrics.h"
-#include "burin/render/error.h"
+#include "burin/base/error.h"
 
 namespace burin {
 namespace {

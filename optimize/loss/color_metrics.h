@@ -5,7 +5,7 @@
 
 #include <array>
 
-#include "burin/render/image.h"
+#include "burin/base/image.h"
 
 namespace burin {
 

@@ -7,7 +7,7 @@
 #include "burin/optimize/loss/bands.h"
 #include "burin/optimize/loss/lane_sum.h"
 #include "burin/optimize/loss/loss.h"
-#include "burin/render/fast/machine_clones.h"
+#include "burin/base/machine_clones.h"
 
 namespace burin {
 namespace {

@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "burin/optimize/loss/bands.h"
-#include "burin/render/fast/machine_clones.h"
+#include "burin/base/machine_clones.h"
 
 namespace burin {
 namespace {

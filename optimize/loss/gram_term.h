@@ -10,7 +10,7 @@
 #include <array>
 #include <vector>
 
-#include "burin/render/image.h"
+#include "burin/base/image.h"
 
 namespace burin {
 

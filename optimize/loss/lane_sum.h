@@ -2,7 +2,7 @@
 // machine.
 #pragma once
 
-#include "burin/render/fast/machine_clones.h"
+#include "burin/base/machine_clones.h"
 
 namespace burin {
 

@@ -20,7 +20,7 @@
 
 #include <memory>
 
-#include "burin/render/image.h"
+#include "burin/base/image.h"
 
 namespace burin {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "burin/optimize/loss/loss.h"
-#include "burin/render/error.h"
+#include "burin/base/error.h"
 
 namespace burin {
 namespace {

@@ -2,7 +2,7 @@
 // Pictures: one channel, gamma-encoded, white is 1, equal sizes (Error otherwise). An empty mask means every pixel.
 #pragma once
 
-#include "burin/render/image.h"
+#include "burin/base/image.h"
 
 namespace burin {
 

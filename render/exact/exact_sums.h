@@ -11,7 +11,7 @@
 #include "burin/render/fast/pairs.h"
 #include "burin/render/groove_sums.h"
 #include "burin/render/pixel_shading.h"
-#include "burin/render/scratches.h"
+#include "burin/scene/scratches.h"
 #include "burin/render/view_scene.h"
 
 namespace burin {

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "burin/render/brdf.h"
-#include "burin/render/error.h"
+#include "burin/base/error.h"
 #include "burin/render/exact/scratch_pair.h"
 
 namespace burin {

@@ -11,10 +11,10 @@
 
 #include "burin/render/exact/scratch_pair.h"
 #include "burin/render/fast/pairs.h"
-#include "burin/render/image.h"
+#include "burin/base/image.h"
 #include "burin/render/pixel_shading.h"
-#include "burin/render/scratch_gradients.h"
-#include "burin/render/scratches.h"
+#include "burin/scene/scratch_gradients.h"
+#include "burin/scene/scratches.h"
 #include "burin/render/view_scene.h"
 
 namespace burin {

@@ -12,11 +12,11 @@
 #include <memory>
 #include <vector>
 
-#include "burin/render/board.h"
+#include "burin/scene/board.h"
 #include "burin/render/footprint/footprint_integral.h"
 #include "burin/render/footprint/profile_integral.h"
-#include "burin/render/groove_profile.h"
-#include "burin/render/scratches.h"
+#include "burin/scene/groove_profile.h"
+#include "burin/scene/scratches.h"
 
 namespace burin {
 

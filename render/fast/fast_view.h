@@ -15,10 +15,10 @@
 #include "burin/render/fast/curve_tables.h"
 #include "burin/render/fast/pixel_slopes.h"
 #include "burin/render/fast/tile_kernel.h"
-#include "burin/render/image.h"
-#include "burin/render/scratch_gradients.h"
-#include "burin/render/scratches.h"
-#include "burin/render/simd_width.h"
+#include "burin/base/image.h"
+#include "burin/scene/scratch_gradients.h"
+#include "burin/scene/scratches.h"
+#include "burin/base/simd_width.h"
 #include "burin/render/view_scene.h"
 
 namespace burin {

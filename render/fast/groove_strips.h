@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "burin/render/fast/tile_runs.h"
-#include "burin/render/groove_profile.h"
-#include "burin/render/scratches.h"
+#include "burin/scene/groove_profile.h"
+#include "burin/scene/scratches.h"
 
 namespace burin {
 

@@ -6,12 +6,12 @@
 #include <string>
 #include <utility>
 
-#include "burin/render/error.h"
+#include "burin/base/error.h"
 #include "burin/render/fast/strip_runs.h"
 #include "burin/render/fast/tile_kernel.h"
 #include "burin/render/fast/tile_runs.h"
-#include "burin/render/groove.h"
-#include "burin/render/groove_profile.h"
+#include "burin/scene/groove.h"
+#include "burin/scene/groove_profile.h"
 
 namespace burin {
 

@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "burin/render/fast/pixel_index.h"
-#include "burin/render/material.h"
-#include "burin/render/scratches.h"
+#include "burin/scene/material.h"
+#include "burin/scene/scratches.h"
 
 namespace burin {
 

@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "burin/render/fast/tile.h"
-#include "burin/render/footprint_grid.h"
+#include "burin/scene/footprint_grid.h"
 
 namespace burin {
 

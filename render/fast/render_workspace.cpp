@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "burin/render/fast/grow.h"
-#include "burin/render/groove.h"
+#include "burin/scene/groove.h"
 
 namespace burin {
 namespace {

@@ -20,7 +20,7 @@
 #include "burin/render/fast/tile_kernel.h"
 #include "burin/render/fast/tile_runs.h"
 #include "burin/render/fast/tiled_grid.h"
-#include "burin/render/scratches.h"
+#include "burin/scene/scratches.h"
 
 namespace burin {
 

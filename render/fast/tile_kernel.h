@@ -27,7 +27,7 @@
 #include <vector>
 
 #include "burin/render/fast/tile.h"
-#include "burin/render/simd_width.h"
+#include "burin/base/simd_width.h"
 
 namespace burin {
 

@@ -8,7 +8,7 @@
 
 #include "burin/render/fast/pixel_index.h"
 #include "burin/render/fast/tile.h"
-#include "burin/render/footprint_grid.h"
+#include "burin/scene/footprint_grid.h"
 
 namespace burin {
 

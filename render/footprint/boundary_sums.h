@@ -10,7 +10,7 @@
 
 #include "burin/render/footprint/footprint_core.h"
 #include "burin/render/footprint/footprint_types.h"
-#include "burin/render/groove.h"
+#include "burin/scene/groove.h"
 
 namespace burin::footprint {
 

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "burin/render/fast/machine_clones.h"
+#include "burin/base/machine_clones.h"
 
 namespace burin {
 namespace {

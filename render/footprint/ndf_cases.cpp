@@ -8,8 +8,8 @@
 #include <numbers>
 
 #include "burin/render/brdf.h"
-#include "burin/render/error.h"
-#include "burin/render/files/table.h"
+#include "burin/base/error.h"
+#include "burin/base/files/table.h"
 
 namespace burin {
 namespace {

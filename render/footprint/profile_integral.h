@@ -11,7 +11,7 @@
 #include <span>
 
 #include "burin/render/footprint/footprint_integral.h"
-#include "burin/render/groove_profile.h"
+#include "burin/scene/groove_profile.h"
 
 namespace burin {
 

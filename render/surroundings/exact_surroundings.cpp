@@ -14,9 +14,9 @@
 
 #include "burin/render/exact/exact_view.h"
 #include "burin/render/exact/scratch_pair.h"
-#include "burin/render/fast/machine_clones.h"
+#include "burin/base/machine_clones.h"
 #include "burin/render/fast/pairs.h"
-#include "burin/render/groove.h"
+#include "burin/scene/groove.h"
 #include "burin/render/surroundings/face_light.h"
 #include "burin/render/surroundings/facet_table.h"
 #include "burin/render/surroundings/groove_light.h"

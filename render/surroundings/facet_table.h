@@ -14,8 +14,8 @@
 #include <cstddef>
 #include <vector>
 
-#include "burin/render/far_light.h"
-#include "burin/render/light.h"
+#include "burin/scene/far_light.h"
+#include "burin/scene/light.h"
 #include "burin/render/surroundings/lagrange_cubic.h"
 #include "burin/render/view_scene.h"
 

@@ -10,7 +10,7 @@
 
 #include "burin/render/fast/groove_strips.h"
 #include "burin/render/fast/lamp_curves.h"
-#include "burin/render/fast/machine_clones.h"
+#include "burin/base/machine_clones.h"
 #include "burin/render/fast/tile.h"
 #include "burin/render/surroundings/groove_light.h"
 

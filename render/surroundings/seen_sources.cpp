@@ -5,8 +5,8 @@
 #include <numbers>
 #include <xsimd/xsimd.hpp>
 
-#include "burin/render/far_light.h"
-#include "burin/render/lamp_size.h"
+#include "burin/scene/far_light.h"
+#include "burin/scene/lamp_size.h"
 #include "burin/render/pixel_shading.h"
 
 namespace burin {

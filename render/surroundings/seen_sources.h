@@ -7,7 +7,7 @@
 #include <functional>
 #include <vector>
 
-#include "burin/render/light.h"
+#include "burin/scene/light.h"
 #include "burin/render/view_scene.h"
 
 namespace burin {

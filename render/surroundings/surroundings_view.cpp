@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "burin/render/error.h"
+#include "burin/base/error.h"
 #include "burin/render/fast/fast_view.h"
 #include "burin/render/surroundings/exact_surroundings.h"
 #include "burin/render/surroundings/face_light.h"

@@ -5,8 +5,8 @@
 #include <span>
 
 #include "burin/render/fast/groove_strips.h"
-#include "burin/render/groove.h"
-#include "burin/render/groove_profile.h"
+#include "burin/scene/groove.h"
+#include "burin/scene/groove_profile.h"
 
 namespace burin {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "burin/render/scratches.h"
+#include "burin/scene/scratches.h"
 #include "burin/render/view_scene.h"
 
 namespace burin {

@@ -17,7 +17,7 @@
 #include <string>
 #include <vector>
 
-#include "burin/optimize/carving/ends.h"
+#include "burin/optimize/toolpath/ends.h"
 #include "burin/optimize/design/bright_part.h"
 #include "burin/optimize/design/glint.h"
 #include "burin/optimize/loss/adam.h"

@@ -4,7 +4,7 @@
 
 #include <numbers>
 
-#include "burin/render/footprint_grid.h"
+#include "burin/scene/footprint_grid.h"
 
 namespace burin {
 namespace {

@@ -3,7 +3,7 @@
 // Correctness stands beside time: `error` is that of IntervalWork, against double.
 #include <benchmark/benchmark.h>
 
-#include "burin/render/simd_width.h"
+#include "burin/base/simd_width.h"
 #include "tests/bench/interval_work.h"
 #include "tests/bench/multiply_add_peak.h"
 #include "tests/moment_packets/moment_packets.h"

@@ -5,7 +5,7 @@
 #include <string>
 #include <thread>
 
-#include "burin/render/simd_width.h"
+#include "burin/base/simd_width.h"
 #include "tests/bench/memory_bench.h"
 
 namespace {

@@ -19,7 +19,7 @@
 #include <utility>
 #include <vector>
 
-#include "burin/render/embree_rays.h"
+#include "burin/scene/embree_rays.h"
 #include "burin/render/fast/pairs.h"
 #include "burin/render/fast/strip_runs.h"
 #include "tests/bench/paper_scene.h"

@@ -12,7 +12,7 @@
 #include <numbers>
 #include <random>
 
-#include "burin/render/far_light.h"
+#include "burin/scene/far_light.h"
 #include "burin/render/view_renderer.h"
 #include "tests/bench/paper_scene.h"
 

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "burin/render/simd_width.h"
+#include "burin/base/simd_width.h"
 #include "burin/render/view_renderer.h"
 #include "tests/bench/interval_work.h"
 #include "tests/bench/multiply_add_peak.h"

@@ -10,7 +10,7 @@
 #include <random>
 
 #include "burin/calib/photo/photo_problem.h"
-#include "burin/render/crossings.h"
+#include "burin/scene/crossings.h"
 #include "tests/calib/small_grooves.h"
 
 namespace burin {

@@ -11,7 +11,7 @@
 #include <numbers>
 #include <random>
 
-#include "burin/render/error.h"
+#include "burin/base/error.h"
 #include "tests/calib/rig_truth.h"
 
 namespace burin {

@@ -11,8 +11,8 @@
 #include <utility>
 #include <vector>
 
-#include "burin/render/board.h"
-#include "burin/render/lens.h"
+#include "burin/scene/board.h"
+#include "burin/scene/lens.h"
 
 namespace burin {
 namespace {

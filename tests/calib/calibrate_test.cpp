@@ -13,7 +13,7 @@
 #include <functional>
 #include <sstream>
 
-#include "burin/render/error.h"
+#include "burin/base/error.h"
 #include "tests/calib/rig_truth.h"
 
 namespace burin {

@@ -16,7 +16,7 @@
 #include "burin/calib/photo/normal_system.h"
 #include "burin/calib/photo/photo_fit.h"
 #include "burin/calib/verdict/photo_uncertainty.h"
-#include "burin/render/lens.h"
+#include "burin/scene/lens.h"
 #include "tests/calib/fitted_grooves.h"
 
 namespace burin {

@@ -9,7 +9,7 @@
 
 #include <algorithm>
 
-#include "burin/render/median.h"
+#include "burin/base/median.h"
 #include "tests/calib/fitted_grooves.h"
 
 namespace burin {

@@ -15,7 +15,7 @@
 #include "burin/calib/verdict/half_samples.h"
 #include "burin/calib/verdict/identifiability.h"
 #include "burin/calib/verdict/photo_uncertainty.h"
-#include "burin/render/median.h"
+#include "burin/base/median.h"
 #include "tests/calib/rig_bench.h"
 
 namespace burin {

@@ -8,7 +8,7 @@
 #include <random>
 
 #include "burin/calib/verdict/candidate_photo.h"
-#include "burin/render/error.h"
+#include "burin/base/error.h"
 
 namespace burin {
 namespace {

@@ -9,7 +9,7 @@
 #include <numbers>
 
 #include "burin/calib/light/lamp_model.h"
-#include "burin/render/lamp_size.h"
+#include "burin/scene/lamp_size.h"
 
 namespace burin {
 namespace {

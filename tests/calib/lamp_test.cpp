@@ -18,8 +18,8 @@
 #include "burin/calib/light/light_samples.h"
 #include "burin/capture/photo.h"
 #include "burin/capture/tags/tag_family.h"
-#include "burin/render/error.h"
-#include "burin/render/parameter_name.h"
+#include "burin/base/error.h"
+#include "burin/scene/parameter_name.h"
 #include "tests/calib/rig_bench.h"
 
 namespace burin {

@@ -21,8 +21,8 @@
 #include <random>
 
 #include "burin/calib/geometry/chessboard.h"
-#include "burin/render/error.h"
-#include "burin/render/image.h"
+#include "burin/base/error.h"
+#include "burin/base/image.h"
 #include "tests/temporary_folder.h"
 
 namespace burin {

@@ -18,10 +18,10 @@
 
 #include "burin/capture/session.h"
 #include "burin/capture/tags/tag_family.h"
-#include "burin/render/board.h"
-#include "burin/render/image.h"
-#include "burin/render/lens.h"
-#include "burin/render/sensor.h"
+#include "burin/scene/board.h"
+#include "burin/base/image.h"
+#include "burin/scene/lens.h"
+#include "burin/scene/sensor.h"
 
 namespace burin {
 

@@ -10,7 +10,7 @@
 #include <tuple>
 #include <utility>
 
-#include "burin/render/files/json_file.h"
+#include "burin/base/files/json_file.h"
 
 namespace burin {
 

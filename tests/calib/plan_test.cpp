@@ -12,7 +12,7 @@
 
 #include "burin/calib/geometry/bundle.h"
 #include "burin/calib/verdict/candidate_photo.h"
-#include "burin/render/error.h"
+#include "burin/base/error.h"
 
 namespace burin {
 namespace {

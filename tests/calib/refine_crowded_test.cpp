@@ -10,9 +10,9 @@
 #include "burin/calib/calibrate.h"
 #include "burin/calib/refine.h"
 #include "burin/capture/session.h"
-#include "burin/capture/simulator/simulated_camera.h"
-#include "burin/render/files/json_file.h"
-#include "burin/render/scratches.h"
+#include "burin/simulate/simulated_camera.h"
+#include "burin/base/files/json_file.h"
+#include "burin/scene/scratches.h"
 #include "tests/places.h"
 #include "tests/temporary_folder.h"
 

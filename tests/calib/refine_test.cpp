@@ -12,8 +12,8 @@
 #include <optional>
 #include <string>
 
-#include "burin/render/error.h"
-#include "burin/render/files/decimals.h"
+#include "burin/base/error.h"
+#include "burin/base/files/decimals.h"
 #include "tests/calib/rig_bench.h"
 
 namespace burin {

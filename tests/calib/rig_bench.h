@@ -9,9 +9,9 @@
 
 #include "burin/capture/photo.h"
 #include "burin/capture/session.h"
-#include "burin/render/bench.h"
-#include "burin/render/board.h"
-#include "burin/render/scratches.h"
+#include "burin/scene/bench.h"
+#include "burin/scene/board.h"
+#include "burin/scene/scratches.h"
 #include "tests/places.h"
 
 #define BURIN_NEEDS_RIG(name)                                      \

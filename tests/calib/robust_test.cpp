@@ -1,5 +1,5 @@
 // Proves: what goes wrong in real photos is found, named, left out or modeled, and the rest calibrates all the same.
-// One clean session is photographed by the simulated camera (burin/capture/simulator/simulated_camera.h); each test
+// One clean session is photographed by the simulated camera (burin/simulate/simulated_camera.h); each test
 // spoils copies of its photos, or of what is believed of the board, in one way. Bounds are on the distance to the
 // truth, next to what the clean session reaches (cameras 0.1 mm RMS, lamp about 4 mm). Missing EXIF, false exposure
 // times, clipped and blurred photos before any solve: folder_session_test.
@@ -16,8 +16,8 @@
 
 #include "burin/calib/calibrate.h"
 #include "burin/capture/photo.h"
-#include "burin/capture/simulator/simulated_camera.h"
-#include "burin/render/image.h"
+#include "burin/simulate/simulated_camera.h"
+#include "burin/base/image.h"
 #include "tests/capture/small_truth.h"
 
 namespace burin {

@@ -4,8 +4,8 @@
 
 #include "burin/calib/light/light_samples.h"
 #include "burin/capture/tags/tag_family.h"
-#include "burin/render/board.h"
-#include "burin/render/error.h"
+#include "burin/scene/board.h"
+#include "burin/base/error.h"
 
 namespace burin {
 namespace {

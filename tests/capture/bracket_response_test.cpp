@@ -9,7 +9,7 @@
 #include <random>
 #include <string>
 
-#include "burin/render/image.h"
+#include "burin/base/image.h"
 #include "tests/temporary_folder.h"
 
 namespace burin {

@@ -14,8 +14,8 @@
 
 #include "burin/capture/exif.h"
 #include "burin/capture/photo.h"
-#include "burin/render/error.h"
-#include "burin/render/image.h"
+#include "burin/base/error.h"
+#include "burin/base/image.h"
 #include "tests/temporary_folder.h"
 
 namespace burin {

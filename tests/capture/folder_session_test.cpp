@@ -19,9 +19,9 @@
 #include <random>
 
 #include "burin/capture/preflight.h"
-#include "burin/capture/simulator/simulated_camera.h"
-#include "burin/render/board.h"
-#include "burin/render/error.h"
+#include "burin/simulate/simulated_camera.h"
+#include "burin/scene/board.h"
+#include "burin/base/error.h"
 #include "tests/capture/small_truth.h"
 
 namespace burin {

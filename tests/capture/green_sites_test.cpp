@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "burin/capture/photo.h"
-#include "burin/capture/simulator/camera_truth.h"
+#include "burin/simulate/camera_truth.h"
 #include "tests/temporary_folder.h"
 
 namespace burin {

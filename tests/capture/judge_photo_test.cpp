@@ -11,8 +11,8 @@
 #include <fstream>
 
 #include "burin/capture/session.h"
-#include "burin/capture/simulator/bench_truth.h"
-#include "burin/render/error.h"
+#include "burin/simulate/bench_truth.h"
+#include "burin/base/error.h"
 #include "tests/drawn_photo.h"
 #include "tests/places.h"
 #include "tests/temporary_folder.h"

@@ -15,7 +15,7 @@
 #include <fstream>
 #include <random>
 
-#include "burin/render/error.h"
+#include "burin/base/error.h"
 #include "tests/temporary_folder.h"
 
 namespace burin {

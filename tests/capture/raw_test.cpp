@@ -11,7 +11,7 @@
 
 #include "burin/capture/exif.h"
 #include "burin/capture/photo.h"
-#include "burin/render/error.h"
+#include "burin/base/error.h"
 #include "tests/drawn_dng.h"
 #include "tests/temporary_folder.h"
 

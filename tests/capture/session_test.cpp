@@ -7,8 +7,8 @@
 #include <filesystem>
 #include <fstream>
 
-#include "burin/render/error.h"
-#include "burin/render/files/json_file.h"
+#include "burin/base/error.h"
+#include "burin/base/files/json_file.h"
 #include "tests/temporary_folder.h"
 
 namespace burin {

@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "burin/render/files/json_file.h"
+#include "burin/base/files/json_file.h"
 #include "tests/temporary_folder.h"
 
 namespace burin {

@@ -14,8 +14,8 @@
 #include <fstream>
 #include <numeric>
 
-#include "burin/render/error.h"
-#include "burin/render/image.h"
+#include "burin/base/error.h"
+#include "burin/base/image.h"
 #include "tests/calib/rig_truth.h"
 #include "tests/drawn_photo.h"
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <string>
 
-#include "burin/render/error.h"
+#include "burin/base/error.h"
 #include "tests/moment_packets/moment_packets_kernel.h"
 
 namespace burin::footprint {

@@ -11,7 +11,7 @@
 #include <cstddef>
 #include <span>
 
-#include "burin/render/simd_width.h"
+#include "burin/base/simd_width.h"
 
 namespace burin::footprint {
 

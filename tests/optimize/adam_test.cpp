@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "burin/render/error.h"
+#include "burin/base/error.h"
 
 namespace burin {
 namespace {

@@ -1,6 +1,6 @@
 // Proves: the check before metal moves finds what would spoil a board in the files themselves. One good job, and one
 // change at a time that a person or a program could make to it; each is a red line that says which.
-#include "burin/optimize/carving/carve_check.h"
+#include "burin/optimize/toolpath/carve_check.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,8 +10,8 @@
 #include <random>
 
 #include "burin/optimize/toolpath.h"
-#include "burin/render/error.h"
-#include "burin/render/files/json_file.h"
+#include "burin/base/error.h"
+#include "burin/base/files/json_file.h"
 #include "tests/temporary_folder.h"
 
 namespace burin {

@@ -3,8 +3,8 @@
 
 #include <random>
 
-#include "burin/render/board.h"
-#include "burin/render/scratches.h"
+#include "burin/scene/board.h"
+#include "burin/scene/scratches.h"
 
 namespace burin {
 

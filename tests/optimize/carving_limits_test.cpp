@@ -1,6 +1,6 @@
 // Proves: the rules of a board and a machine are judged exactly, and what is mended obeys them. The oracle for
 // keep-outs and overlaps is brute force: points along a scratch, and points strewn over a groove.
-#include "burin/optimize/carving/carving_limits.h"
+#include "burin/optimize/toolpath/carving_limits.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,10 +10,10 @@
 #include <numbers>
 #include <random>
 
-#include "burin/optimize/carving/groove_pairs.h"
-#include "burin/render/error.h"
-#include "burin/render/groove.h"
-#include "burin/render/keep_out.h"
+#include "burin/optimize/toolpath/groove_pairs.h"
+#include "burin/base/error.h"
+#include "burin/scene/groove.h"
+#include "burin/scene/keep_out.h"
 #include "tests/temporary_folder.h"
 
 namespace burin {

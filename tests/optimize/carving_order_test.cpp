@@ -1,6 +1,6 @@
 // Proves: every scratch is carved once; small boards get the shortest way there is (all orders tried); on large ones no
 // exchange of two ways is left and the travel is the same however often and in whatever order the scratches come.
-#include "burin/optimize/carving/carving_order.h"
+#include "burin/optimize/toolpath/carving_order.h"
 
 #include <gtest/gtest.h>
 

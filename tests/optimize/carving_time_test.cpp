@@ -1,6 +1,6 @@
 // Proves: the time of a job is the sum of its moves by the laws of motion, in whatever order it is carved, and the
 // budget's quick estimate stands near the time of the path that is written.
-#include "burin/optimize/carving/carving_time.h"
+#include "burin/optimize/toolpath/carving_time.h"
 
 #include <gtest/gtest.h>
 

@@ -21,9 +21,9 @@
 #include "burin/optimize/design/direction_light.h"
 #include "burin/optimize/loss/color_metrics.h"
 #include "burin/optimize/loss/picture_metrics.h"
-#include "burin/render/error.h"
-#include "burin/render/far_light.h"
-#include "burin/render/files/json_file.h"
+#include "burin/base/error.h"
+#include "burin/scene/far_light.h"
+#include "burin/base/files/json_file.h"
 #include "tests/optimize/color_rig.h"
 
 namespace burin {

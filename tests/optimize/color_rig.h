@@ -12,7 +12,7 @@
 #include "burin/optimize/design.h"
 #include "burin/optimize/design/design_start.h"
 #include "burin/optimize/design/design_views.h"
-#include "burin/render/error.h"
+#include "burin/base/error.h"
 #include "tests/temporary_folder.h"
 
 namespace burin {

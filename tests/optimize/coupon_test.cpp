@@ -3,7 +3,7 @@
 // directions of travel in each direction of the fan; the file for the machine has each scratch's own command and speed,
 // by a reading that shares nothing with what wrote it; machines' rules hold; what makes no sense is refused. What was
 // measured comes into the machine's file and out of it as it was.
-#include "burin/optimize/carving/coupon.h"
+#include "burin/optimize/toolpath/coupon.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -13,12 +13,12 @@
 #include <set>
 #include <sstream>
 
-#include "burin/optimize/carving/carving_limits.h"
-#include "burin/optimize/carving/label.h"
+#include "burin/optimize/toolpath/carving_limits.h"
+#include "burin/optimize/toolpath/label.h"
 #include "burin/optimize/machine_measured.h"
 #include "burin/optimize/toolpath.h"
 #include "burin/optimize/write_measured_machine.h"
-#include "burin/render/error.h"
+#include "burin/base/error.h"
 #include "tests/temporary_folder.h"
 
 namespace burin {

@@ -15,8 +15,8 @@
 #include "burin/optimize/design/collisions.h"
 #include "burin/optimize/design/curved_views.h"
 #include "burin/optimize/design/glint.h"
-#include "burin/render/board_mesh.h"
-#include "burin/render/error.h"
+#include "burin/scene/board_mesh.h"
+#include "burin/base/error.h"
 #include "tests/places.h"
 #include "tests/temporary_folder.h"
 

@@ -10,11 +10,11 @@
 #include <random>
 #include <sstream>
 
-#include "burin/optimize/carving/sheet.h"
-#include "burin/optimize/carving/toolpath_check.h"
+#include "burin/optimize/toolpath/sheet.h"
+#include "burin/optimize/toolpath/toolpath_check.h"
 #include "burin/optimize/toolpath.h"
-#include "burin/render/error.h"
-#include "burin/render/parameter_name.h"
+#include "burin/base/error.h"
+#include "burin/scene/parameter_name.h"
 #include "tests/optimize/carving_bench.h"
 #include "tests/temporary_folder.h"
 

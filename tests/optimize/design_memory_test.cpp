@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "burin/render/error.h"
+#include "burin/base/error.h"
 
 namespace burin {
 namespace {

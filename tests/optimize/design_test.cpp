@@ -13,12 +13,12 @@
 #include <filesystem>
 #include <string_view>
 
-#include "burin/optimize/carving/carving_order.h"
-#include "burin/optimize/carving/carving_time.h"
+#include "burin/optimize/toolpath/carving_order.h"
+#include "burin/optimize/toolpath/carving_time.h"
 #include "burin/optimize/design/design_output.h"
 #include "burin/optimize/design/picture_pixels.h"
-#include "burin/render/error.h"
-#include "burin/render/files/json_file.h"
+#include "burin/base/error.h"
+#include "burin/base/files/json_file.h"
 #include "tests/temporary_folder.h"
 
 namespace burin {

@@ -6,7 +6,7 @@
 
 #include <clocale>
 
-#include "burin/render/error.h"
+#include "burin/base/error.h"
 
 namespace burin {
 namespace {

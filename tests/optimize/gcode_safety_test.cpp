@@ -3,10 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "burin/optimize/carving/gcode_line.h"
+#include "burin/optimize/toolpath/gcode_line.h"
 #include "burin/optimize/toolpath.h"
-#include "burin/render/error.h"
-#include "burin/render/files/json_file.h"
+#include "burin/base/error.h"
+#include "burin/base/files/json_file.h"
 #include "tests/optimize/carving_bench.h"
 #include "tests/reliability/gcode_fuzz.h"
 #include "tests/reliability/strict_gcode.h"

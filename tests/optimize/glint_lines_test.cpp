@@ -10,8 +10,8 @@
 #include <random>
 #include <vector>
 
-#include "burin/optimize/carving/ends.h"
-#include "burin/render/groove.h"
+#include "burin/optimize/toolpath/ends.h"
+#include "burin/scene/groove.h"
 
 namespace burin {
 namespace {

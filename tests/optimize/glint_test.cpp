@@ -10,8 +10,8 @@
 
 #include "burin/optimize/design/glint_check.h"
 #include "burin/render/brdf.h"
-#include "burin/render/error.h"
-#include "burin/render/groove.h"
+#include "burin/base/error.h"
+#include "burin/scene/groove.h"
 
 namespace burin {
 namespace {

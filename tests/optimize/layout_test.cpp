@@ -10,7 +10,7 @@
 #include "burin/optimize/design/glint_check.h"
 #include "burin/optimize/layout/tag_layout.h"
 #include "burin/optimize/layout/view_places.h"
-#include "burin/render/error.h"
+#include "burin/base/error.h"
 #include "tests/temporary_folder.h"
 
 namespace burin {

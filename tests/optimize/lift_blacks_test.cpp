@@ -10,8 +10,8 @@
 
 #include "burin/optimize/design.h"
 #include "burin/optimize/loss/picture_metrics.h"
-#include "burin/render/far_light.h"
-#include "burin/render/look_at.h"
+#include "burin/scene/far_light.h"
+#include "burin/scene/look_at.h"
 
 namespace burin {
 namespace {

@@ -15,7 +15,7 @@
 
 #include "burin/optimize/loss/adam.h"
 #include "burin/optimize/loss/gram_term.h"
-#include "burin/render/error.h"
+#include "burin/base/error.h"
 #include "tests/allocations.h"
 
 namespace burin {

@@ -2,7 +2,7 @@
 // of it comes back as the heights that the sheet has; logs that cannot be trusted are refused with words. The
 // controllers are played by a few lines that share nothing with the reader: they follow the file and touch a known
 // face.
-#include "burin/optimize/carving/probe.h"
+#include "burin/optimize/toolpath/probe.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -13,8 +13,8 @@
 #include <functional>
 #include <sstream>
 
-#include "burin/optimize/carving/probe_check.h"
-#include "burin/render/error.h"
+#include "burin/optimize/toolpath/probe_check.h"
+#include "burin/base/error.h"
 #include "tests/temporary_folder.h"
 
 namespace burin {

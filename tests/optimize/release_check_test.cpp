@@ -1,6 +1,6 @@
 // Proves: what would ruin a machine or a sheet is not given out, however a profile's blocks are written and whatever
 // files hold; ways clear the face, clamps and the tags' paper; the first way comes from above.
-#include "burin/optimize/carving/release_check.h"
+#include "burin/optimize/toolpath/release_check.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -8,11 +8,11 @@
 #include <cmath>
 #include <random>
 
-#include "burin/optimize/carving/probe.h"
-#include "burin/optimize/carving/probe_check.h"
+#include "burin/optimize/toolpath/probe.h"
+#include "burin/optimize/toolpath/probe_check.h"
 #include "burin/optimize/toolpath.h"
-#include "burin/render/error.h"
-#include "burin/render/files/json_file.h"
+#include "burin/base/error.h"
+#include "burin/base/files/json_file.h"
 #include "tests/temporary_folder.h"
 
 namespace burin {

@@ -11,8 +11,8 @@
 
 #include "burin/optimize/design_file.h"
 #include "burin/render/brdf.h"
-#include "burin/render/error.h"
-#include "burin/render/files/json_file.h"
+#include "burin/base/error.h"
+#include "burin/base/files/json_file.h"
 #include "tests/temporary_folder.h"
 
 namespace burin {

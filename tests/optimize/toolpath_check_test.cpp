@@ -1,10 +1,10 @@
 // Proves: the replay reads G-code as a controller does, finds each fault that would spoil a board, and names the line.
-#include "burin/optimize/carving/toolpath_check.h"
+#include "burin/optimize/toolpath/toolpath_check.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "burin/render/error.h"
+#include "burin/base/error.h"
 
 namespace burin {
 namespace {

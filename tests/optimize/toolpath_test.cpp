@@ -14,9 +14,9 @@
 #include <regex>
 #include <sstream>
 
-#include "burin/optimize/carving/toolpath_check.h"
-#include "burin/render/error.h"
-#include "burin/render/parameter_name.h"
+#include "burin/optimize/toolpath/toolpath_check.h"
+#include "burin/base/error.h"
+#include "burin/scene/parameter_name.h"
 #include "tests/optimize/carving_bench.h"
 #include "tests/temporary_folder.h"
 

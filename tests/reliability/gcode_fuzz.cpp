@@ -12,15 +12,15 @@
 #include <random>
 #include <utility>
 
-#include "burin/optimize/carving/gcode.h"
-#include "burin/optimize/carving/gcode_line.h"
-#include "burin/optimize/carving/probe.h"
-#include "burin/optimize/carving/probe_check.h"
-#include "burin/optimize/carving/release_check.h"
-#include "burin/optimize/carving/toolpath_check.h"
-#include "burin/optimize/carving/toolpath_plan.h"
-#include "burin/render/bench_of_board.h"
-#include "burin/render/error.h"
+#include "burin/optimize/toolpath/gcode.h"
+#include "burin/optimize/toolpath/gcode_line.h"
+#include "burin/optimize/toolpath/probe.h"
+#include "burin/optimize/toolpath/probe_check.h"
+#include "burin/optimize/toolpath/release_check.h"
+#include "burin/optimize/toolpath/toolpath_check.h"
+#include "burin/optimize/toolpath/toolpath_plan.h"
+#include "burin/scene/bench_of_board.h"
+#include "burin/base/error.h"
 #include "tests/reliability/strict_gcode.h"
 
 namespace burin {

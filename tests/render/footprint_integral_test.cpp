@@ -18,7 +18,7 @@
 
 #include "burin/render/footprint/footprint_core.h"
 #include "burin/render/footprint/ndf_cases.h"
-#include "burin/render/groove.h"
+#include "burin/scene/groove.h"
 #include "burin/render/view_renderer.h"
 
 namespace burin {

@@ -13,9 +13,9 @@
 #include <string>
 #include <vector>
 
-#include "burin/render/blur.h"
+#include "burin/scene/blur.h"
 #include "burin/render/brdf.h"
-#include "burin/render/groove.h"
+#include "burin/scene/groove.h"
 #include "tests/render/small_world.h"
 
 namespace burin {

@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
-#include "burin/render/far_light.h"
-#include "burin/render/files/table.h"
-#include "burin/render/groove.h"
+#include "burin/scene/far_light.h"
+#include "burin/base/files/table.h"
+#include "burin/scene/groove.h"
 #include "burin/render/view_renderer.h"
 #include "tests/places.h"
 

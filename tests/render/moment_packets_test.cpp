@@ -11,9 +11,9 @@
 #include <random>
 #include <vector>
 
-#include "burin/render/error.h"
+#include "burin/base/error.h"
 #include "burin/render/footprint/footprint_core.h"
-#include "burin/render/simd_choice.h"
+#include "burin/base/simd_choice.h"
 
 namespace burin::footprint {
 namespace {

@@ -7,7 +7,7 @@
 
 #include <string>
 
-#include "burin/render/error.h"
+#include "burin/base/error.h"
 #include "tests/temporary_folder.h"
 
 namespace burin {

@@ -11,7 +11,7 @@
 #include <random>
 #include <set>
 
-#include "burin/render/error.h"
+#include "burin/base/error.h"
 #include "tests/render/quadrilaterals.h"
 #include "tests/render/small_world.h"
 

@@ -8,7 +8,7 @@
 #include "burin/render/exact/exact_sums.h"
 #include "burin/render/exact/exact_view.h"
 #include "burin/render/radiance_chain.h"
-#include "burin/render/simd_choice.h"
+#include "burin/base/simd_choice.h"
 #include "tests/render/small_world.h"
 
 namespace burin {

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "burin/render/error.h"
+#include "burin/base/error.h"
 #include "tests/render/expect_fast_is_exact.h"
 #include "tests/render/small_world.h"
 #include "tests/render/workshop.h"

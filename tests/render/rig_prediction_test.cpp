@@ -14,7 +14,7 @@
 #include <set>
 
 #include "burin/render/fast/pairs.h"
-#include "burin/render/image.h"
+#include "burin/base/image.h"
 #include "burin/render/view_renderer.h"
 #include "tests/places.h"
 

@@ -12,9 +12,9 @@
 #include <string>
 #include <vector>
 
-#include "burin/render/error.h"
-#include "burin/render/far_light.h"
-#include "burin/render/simd_width.h"
+#include "burin/base/error.h"
+#include "burin/scene/far_light.h"
+#include "burin/base/simd_width.h"
 #include "burin/render/surroundings/seen_sources.h"
 #include "burin/render/view_renderer.h"
 

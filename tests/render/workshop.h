@@ -5,7 +5,7 @@
 #include <numbers>
 #include <random>
 
-#include "burin/render/groove.h"
+#include "burin/scene/groove.h"
 #include "tests/render/small_world.h"
 
 namespace burin {

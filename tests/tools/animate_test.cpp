@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "burin/render/error.h"
+#include "burin/base/error.h"
 #include "tools/animated_png.h"
 
 namespace burin {

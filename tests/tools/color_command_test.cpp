@@ -12,7 +12,7 @@
 #include <tuple>
 #include <vector>
 
-#include "burin/render/image.h"
+#include "burin/base/image.h"
 #include "tests/places.h"
 #include "tests/tools/program.h"
 

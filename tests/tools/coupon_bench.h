@@ -11,9 +11,9 @@
 #include <string>
 #include <vector>
 
-#include "burin/render/board.h"
-#include "burin/render/coupon.h"
-#include "burin/render/scratches.h"
+#include "burin/scene/board.h"
+#include "burin/scene/coupon.h"
+#include "burin/scene/scratches.h"
 #include "tests/temporary_folder.h"
 
 namespace burin {

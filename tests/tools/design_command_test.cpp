@@ -12,10 +12,10 @@
 #include <functional>
 #include <nlohmann/json.hpp>
 
-#include "burin/optimize/carving/carving_limits.h"
+#include "burin/optimize/toolpath/carving_limits.h"
 #include "burin/optimize/machine_profile.h"
-#include "burin/render/board.h"
-#include "burin/render/scratches.h"
+#include "burin/scene/board.h"
+#include "burin/scene/scratches.h"
 #include "tests/places.h"
 #include "tests/tools/program.h"
 

@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "burin/capture/session.h"
-#include "burin/optimize/carving/height_map.h"
+#include "burin/optimize/toolpath/height_map.h"
 #include "burin/optimize/machine_profile.h"
-#include "burin/render/coupon.h"
-#include "burin/render/scratches.h"
+#include "burin/scene/coupon.h"
+#include "burin/scene/scratches.h"
 #include "tests/places.h"
 #include "tests/tools/program.h"
 #include "tools/loop/options.h"

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-#include "burin/render/image.h"
+#include "burin/base/image.h"
 #include "tools/report/chart.h"
 #include "tools/report/pictures.h"
 

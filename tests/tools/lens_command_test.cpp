@@ -4,8 +4,8 @@
 
 #include <filesystem>
 
-#include "burin/render/image.h"
-#include "burin/render/lens.h"
+#include "burin/base/image.h"
+#include "burin/scene/lens.h"
 #include "tests/places.h"
 #include "tests/tools/program.h"
 

@@ -8,7 +8,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
-#include "burin/render/scratches.h"
+#include "burin/scene/scratches.h"
 #include "tests/places.h"
 #include "tests/tools/loop_bench.h"
 #include "tests/tools/program.h"

@@ -13,9 +13,9 @@
 #include <string>
 #include <vector>
 
-#include "burin/render/error.h"
-#include "burin/render/far_light.h"
-#include "burin/render/parameter_name.h"
+#include "burin/base/error.h"
+#include "burin/scene/far_light.h"
+#include "burin/scene/parameter_name.h"
 #include "tests/temporary_folder.h"
 #include "tools/project.h"
 #include "tools/round_names.h"

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "burin/render/scratches.h"
+#include "burin/scene/scratches.h"
 #include "tests/tools/loop_bench.h"
 #include "tests/tools/program.h"
 

@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
-#include "burin/render/image.h"
+#include "burin/base/image.h"
 #include "tests/places.h"
 #include "tests/tools/program.h"
 

@@ -12,9 +12,9 @@
 #include <string>
 #include <vector>
 
-#include "burin/render/bench.h"
-#include "burin/render/board.h"
-#include "burin/render/parameter_name.h"
+#include "burin/scene/bench.h"
+#include "burin/scene/board.h"
+#include "burin/scene/parameter_name.h"
 #include "tests/tools/chromium.h"
 #include "tests/tools/loop_bench.h"
 #include "tests/tools/program.h"

@@ -12,12 +12,12 @@
 #include <string>
 #include <vector>
 
-#include "burin/render/bench.h"
-#include "burin/render/board.h"
-#include "burin/render/error.h"
-#include "burin/render/groove_field.h"
-#include "burin/render/image.h"
-#include "burin/render/scratches.h"
+#include "burin/scene/bench.h"
+#include "burin/scene/board.h"
+#include "burin/base/error.h"
+#include "burin/scene/groove_field.h"
+#include "burin/base/image.h"
+#include "burin/scene/scratches.h"
 #include "tests/places.h"
 #include "tests/temporary_folder.h"
 

@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-#include "burin/render/error.h"
+#include "burin/base/error.h"
 #include "tests/temporary_folder.h"
 
 namespace burin {

@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <signal.h>
 
-#include "burin/render/image.h"
+#include "burin/base/image.h"
 #include "tests/tools/program.h"
 
 namespace burin {

@@ -13,7 +13,7 @@
 
 #include "burin/capture/exif.h"
 #include "burin/capture/session.h"
-#include "burin/render/error.h"
+#include "burin/base/error.h"
 #include "tests/temporary_folder.h"
 #include "tools/command_line.h"
 

@@ -6,8 +6,8 @@
 #include <atomic>
 #include <thread>
 
-#include "burin/render/image.h"
-#include "burin/render/threads.h"
+#include "burin/base/image.h"
+#include "burin/base/threads.h"
 #include "tests/tools/program.h"
 #include "tools/command_line.h"
 

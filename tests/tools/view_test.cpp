@@ -12,8 +12,8 @@
 #include <random>
 #include <string>
 
-#include "burin/render/image.h"
-#include "burin/render/scratches.h"
+#include "burin/base/image.h"
+#include "burin/scene/scratches.h"
 #include "tests/places.h"
 #include "tests/tools/chromium.h"
 #include "tests/tools/loop_bench.h"

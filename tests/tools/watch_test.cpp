@@ -14,8 +14,8 @@
 #include <thread>
 
 #include "burin/capture/tags/board_pose.h"
-#include "burin/render/bench.h"
-#include "burin/render/files/json_file.h"
+#include "burin/scene/bench.h"
+#include "burin/base/files/json_file.h"
 #include "tests/drawn_dng.h"
 #include "tests/drawn_photo.h"
 #include "tests/tools/program.h"

@@ -8,7 +8,7 @@
 
 #include <numbers>
 
-#include "burin/render/error.h"
+#include "burin/base/error.h"
 #include "tools/sheet/sheet.h"
 #include "tools/wanted_bench.h"
 #include "tools/watch/wanted_shots.h"

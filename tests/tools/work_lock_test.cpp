@@ -13,8 +13,8 @@
 #include <string>
 #include <thread>
 
-#include "burin/render/error.h"
-#include "burin/render/files/descriptor.h"
+#include "burin/base/error.h"
+#include "burin/base/files/descriptor.h"
 #include "tests/temporary_folder.h"
 
 namespace burin {

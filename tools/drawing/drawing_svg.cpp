@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "burin/render/files/svg.h"
+#include "burin/base/files/svg.h"
 
 namespace burin {
 namespace {

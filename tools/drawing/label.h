@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "burin/render/image.h"
+#include "burin/base/image.h"
 
 namespace burin {
 

@@ -14,7 +14,7 @@
 #include <numbers>
 #include <utility>
 
-#include "burin/render/error.h"
+#include "burin/base/error.h"
 
 namespace burin {
 namespace {

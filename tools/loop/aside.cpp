@@ -6,9 +6,9 @@
 #include <utility>
 #include <vector>
 
-#include "burin/render/files/json_file.h"
-#include "burin/render/files/part_file.h"
-#include "burin/render/files/write_file.h"
+#include "burin/base/files/json_file.h"
+#include "burin/base/files/part_file.h"
+#include "burin/base/files/write_file.h"
 #include "tools/loop/state.h"
 
 namespace burin {

@@ -6,10 +6,10 @@
 #include <cmath>
 #include <optional>
 
-#include "burin/render/bench.h"
-#include "burin/render/board.h"
-#include "burin/render/error.h"
-#include "burin/render/files/decimals.h"
+#include "burin/scene/bench.h"
+#include "burin/scene/board.h"
+#include "burin/base/error.h"
+#include "burin/base/files/decimals.h"
 
 namespace burin {
 namespace {
@@ -30,7 +30,7 @@ fs::path carved_board_file(const fs::path& round) {
 
 void compare_told(const char* field, double now, const std::optional<double>& then, const fs::path& told,
                   std::vector<ToldOtherwise>& out) {
-  constexpr double kSame = 1e-9;  // as burin/render/bench_of_board.h
+  constexpr double kSame = 1e-9;  // as burin/scene/bench_of_board.h
   if (!then || std::abs(now - *then) <= kSame * std::max(std::abs(now), std::abs(*then))) return;
   if (std::none_of(out.begin(), out.end(), [&](const ToldOtherwise& other) { return other.field == field; }))
     out.push_back({field, now, *then, told});

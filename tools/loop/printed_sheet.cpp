@@ -5,7 +5,7 @@
 #include <optional>
 #include <sstream>
 
-#include "burin/render/error.h"
+#include "burin/base/error.h"
 #include "tools/content_hash.h"
 #include "tools/loop/record.h"
 

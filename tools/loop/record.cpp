@@ -4,8 +4,8 @@
 #include <array>
 #include <utility>
 
-#include "burin/render/error.h"
-#include "burin/render/files/json_file.h"
+#include "burin/base/error.h"
+#include "burin/base/files/json_file.h"
 
 namespace burin {
 namespace {

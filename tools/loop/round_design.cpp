@@ -8,10 +8,10 @@
 #include <utility>
 
 #include "burin/optimize/design_file.h"
-#include "burin/render/bench.h"
-#include "burin/render/bench_of_board.h"
-#include "burin/render/board.h"
-#include "burin/render/error.h"
+#include "burin/scene/bench.h"
+#include "burin/scene/bench_of_board.h"
+#include "burin/scene/board.h"
+#include "burin/base/error.h"
 #include "tools/commands.h"
 #include "tools/round_names.h"
 

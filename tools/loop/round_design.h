@@ -19,7 +19,7 @@ void write_round_design(const Project& project, int number, const std::filesyste
 void require_own_files(const Project& project);
 
 /// Throws Error where design.json and what it names cannot be read, or board.json contradicts the bench that a round is
-/// designed for (burin/render/bench_of_board.h).
+/// designed for (burin/scene/bench_of_board.h).
 void require_one_truth(const Project& project, int number);
 
 /// Throws Error wherever a round's design would be refused for what it is made from: require_one_truth() and, from the

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <array>
 
-#include "burin/render/error.h"
+#include "burin/base/error.h"
 
 namespace burin {
 namespace {

@@ -6,8 +6,8 @@
 #include <cstdio>
 #include <optional>
 
-#include "burin/render/error.h"
-#include "burin/render/files/decimals.h"
+#include "burin/base/error.h"
+#include "burin/base/files/decimals.h"
 #include "tools/commands.h"
 #include "tools/loop/aside.h"
 #include "tools/loop/carved_board.h"

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "burin/render/parameter_name.h"
+#include "burin/scene/parameter_name.h"
 #include "tools/loop/record.h"
 #include "tools/round_names.h"
 

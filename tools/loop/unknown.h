@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
-#include "burin/render/bench.h"
-#include "burin/render/finding.h"
-#include "burin/render/verdict.h"
+#include "burin/scene/bench.h"
+#include "burin/base/finding.h"
+#include "burin/scene/verdict.h"
 #include "tools/loop/stages.h"
 
 namespace burin {

@@ -3,7 +3,7 @@
 #include <istream>
 #include <ostream>
 
-#include "burin/render/error.h"
+#include "burin/base/error.h"
 
 namespace burin {
 

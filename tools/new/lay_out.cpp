@@ -9,8 +9,8 @@
 
 #include "burin/optimize/layout/tag_layout.h"
 #include "burin/optimize/layout/view_places.h"
-#include "burin/render/error.h"
-#include "burin/render/look_at.h"
+#include "burin/base/error.h"
+#include "burin/scene/look_at.h"
 
 namespace burin {
 namespace {

@@ -13,11 +13,11 @@
 #include <set>
 
 #include "burin/optimize/target.h"
-#include "burin/render/error.h"
-#include "burin/render/files/file_names.h"
-#include "burin/render/files/json_file.h"
-#include "burin/render/files/picture_header.h"
-#include "burin/render/linear_picture.h"
+#include "burin/base/error.h"
+#include "burin/base/files/file_names.h"
+#include "burin/base/files/json_file.h"
+#include "burin/pictures/picture_header.h"
+#include "burin/pictures/linear_picture.h"
 #include "tools/drawing/label.h"
 
 namespace burin {

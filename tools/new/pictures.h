@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "burin/optimize/design_file.h"
-#include "burin/render/image.h"
+#include "burin/base/image.h"
 
 namespace burin {
 

@@ -13,10 +13,10 @@
 #include <vector>
 
 #include "burin/capture/exif.h"
-#include "burin/render/degrees.h"
-#include "burin/render/error.h"
-#include "burin/render/files/file_names.h"
-#include "burin/render/files/table.h"
+#include "burin/base/degrees.h"
+#include "burin/base/error.h"
+#include "burin/base/files/file_names.h"
+#include "burin/base/files/table.h"
 
 namespace burin {
 namespace {

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "burin/render/lens.h"
+#include "burin/scene/lens.h"
 
 namespace burin {
 

@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "burin/render/board.h"
+#include "burin/scene/board.h"
 #include "tools/print/printed_page.h"
 
 namespace burin {

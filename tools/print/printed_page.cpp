@@ -8,7 +8,7 @@
 #include <cstdlib>
 #include <string_view>
 
-#include "burin/render/error.h"
+#include "burin/base/error.h"
 
 namespace burin {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "burin/capture/tags/tag_family.h"
-#include "burin/render/error.h"
+#include "burin/base/error.h"
 #include "tools/print/print_pages.h"
 
 namespace burin {

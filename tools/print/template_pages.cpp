@@ -6,7 +6,7 @@
 #include <numbers>
 #include <optional>
 
-#include "burin/render/error.h"
+#include "burin/base/error.h"
 #include "tools/print/print_pages.h"
 
 namespace burin {

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "burin/render/bench.h"
-#include "burin/render/board.h"
+#include "burin/scene/bench.h"
+#include "burin/scene/board.h"
 #include "tools/match_views.h"
 
 namespace burin {

@@ -1,12 +1,12 @@
 // tools/report/carve_check.h - the page to read before metal moves: where the tool goes, what the pictures will be, and
-// in red what would spoil the board. The facts are burin/optimize/carving/carve_check.h's and the design's own report.
+// in red what would spoil the board. The facts are burin/optimize/toolpath/carve_check.h's and the design's own report.
 #pragma once
 
 #include <filesystem>
 #include <string>
 #include <vector>
 
-#include "burin/optimize/carving/carve_check.h"
+#include "burin/optimize/toolpath/carve_check.h"
 
 namespace burin {
 

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <string_view>
 
-#include "burin/render/files/svg.h"
+#include "burin/base/files/svg.h"
 #include "tools/report/html.h"
 
 namespace burin {

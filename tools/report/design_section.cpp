@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "burin/optimize/duration.h"
-#include "burin/render/files/decimals.h"
-#include "burin/render/files/json_file.h"
-#include "burin/render/image.h"
+#include "burin/base/files/decimals.h"
+#include "burin/base/files/json_file.h"
+#include "burin/base/image.h"
 #include "tools/commands.h"
 #include "tools/picture_quality.h"
 #include "tools/report/chart.h"

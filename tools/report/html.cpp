@@ -7,8 +7,8 @@
 #include <cmath>
 #include <utility>
 
-#include "burin/render/files/decimals.h"
-#include "burin/render/files/svg.h"
+#include "burin/base/files/decimals.h"
+#include "burin/base/files/svg.h"
 #include "embedded/report_files.h"
 #include "tools/content_policy.h"
 #include "tools/local_time.h"

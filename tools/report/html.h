@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "burin/render/finding.h"
+#include "burin/base/finding.h"
 
 namespace burin {
 

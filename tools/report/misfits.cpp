@@ -5,7 +5,7 @@
 #include <array>
 #include <vector>
 
-#include "burin/render/files/decimals.h"
+#include "burin/base/files/decimals.h"
 #include "tools/report/chart.h"
 #include "tools/report/html.h"
 

@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "burin/render/bench.h"
+#include "burin/scene/bench.h"
 
 namespace burin {
 

@@ -8,8 +8,8 @@
 #include <stdexcept>
 #include <vector>
 
-#include "burin/render/files/encoded_bytes.h"
-#include "burin/render/linear_picture.h"
+#include "burin/pictures/encoded_bytes.h"
+#include "burin/pictures/linear_picture.h"
 #include "tools/base64.h"
 #include "tools/report/html.h"
 

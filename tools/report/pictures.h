@@ -6,7 +6,7 @@
 #include <span>
 #include <string>
 
-#include "burin/render/image.h"
+#include "burin/base/image.h"
 
 namespace burin {
 

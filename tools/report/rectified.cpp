@@ -5,7 +5,7 @@
 #include <limits>
 #include <vector>
 
-#include "burin/render/median.h"
+#include "burin/base/median.h"
 
 namespace burin {
 namespace {

@@ -4,9 +4,9 @@
 
 #include <Eigen/Geometry>
 
-#include "burin/render/image.h"
-#include "burin/render/lens.h"
-#include "burin/render/surface.h"
+#include "burin/base/image.h"
+#include "burin/scene/lens.h"
+#include "burin/scene/surface.h"
 
 namespace burin {
 

@@ -2,9 +2,9 @@
 #include <string>
 #include <vector>
 
-#include "burin/render/error.h"
-#include "burin/render/files/files_together.h"
-#include "burin/render/files/json_file.h"
+#include "burin/base/error.h"
+#include "burin/base/files/files_together.h"
+#include "burin/base/files/json_file.h"
 #include "tools/report/html.h"
 #include "tools/report/section.h"
 #include "tools/view/bench_scene.h"

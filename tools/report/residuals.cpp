@@ -5,7 +5,7 @@
 #include <system_error>
 #include <vector>
 
-#include "burin/render/files/table.h"
+#include "burin/base/files/table.h"
 
 namespace burin {
 

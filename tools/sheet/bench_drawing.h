@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "burin/optimize/design/tolerance.h"
-#include "burin/render/board.h"
+#include "burin/scene/board.h"
 #include "tools/drawing/drawing.h"
 
 namespace burin {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "burin/calib/plan.h"
-#include "burin/render/finding.h"
+#include "burin/base/finding.h"
 #include "tools/drawing/drawing.h"
 #include "tools/plan_words.h"
 #include "tools/sheet/bench_drawing.h"

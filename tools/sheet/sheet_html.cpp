@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "burin/render/files/svg.h"
+#include "burin/base/files/svg.h"
 #include "embedded/sheet.h"
 #include "tools/content_policy.h"
 #include "tools/drawing/drawing_svg.h"

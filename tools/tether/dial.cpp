@@ -2,7 +2,7 @@
 #include <cctype>
 #include <string>
 
-#include "burin/render/files/table.h"
+#include "burin/base/files/table.h"
 #include "tools/tether/tethered_camera.h"
 
 namespace burin {

@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
-#include "burin/render/error.h"
-#include "burin/render/files/file_names.h"
+#include "burin/base/error.h"
+#include "burin/base/files/file_names.h"
 #include "tools/tether/tethered_camera.h"
 
 #ifdef BURIN_GPHOTO2
@@ -17,8 +17,8 @@
 #include <utility>
 
 #include "burin/capture/exif.h"
-#include "burin/render/files/json_file.h"
-#include "burin/render/files/table.h"
+#include "burin/base/files/json_file.h"
+#include "burin/base/files/table.h"
 
 namespace burin {
 namespace {

@@ -12,8 +12,8 @@
 #include <set>
 
 #include "burin/capture/exif.h"
-#include "burin/render/error.h"
-#include "burin/render/files/json_file.h"
+#include "burin/base/error.h"
+#include "burin/base/files/json_file.h"
 #include "tools/commands.h"
 #include "tools/stop_signal.h"
 #include "tools/watch/say_shoot.h"

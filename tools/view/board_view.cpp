@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "burin/optimize/loss/color_metrics.h"
-#include "burin/render/board_face.h"
+#include "burin/scene/board_face.h"
 #include "burin/render/view_renderer.h"
 #include "tools/report/rectified.h"
 

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <vector>
 
-#include "burin/render/files/json_file.h"
+#include "burin/base/files/json_file.h"
 #include "tools/base64.h"
 
 namespace burin {

@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "burin/render/carve.h"
+#include "burin/scene/carve.h"
 
 namespace burin {
 

@@ -8,8 +8,8 @@
 
 #include <fmt/format.h>
 
-#include "burin/render/error.h"
-#include "burin/render/files/json_file.h"
+#include "burin/base/error.h"
+#include "burin/base/files/json_file.h"
 #include "embedded/view.h"
 #include "tools/content_policy.h"
 #include "tools/report/html.h"

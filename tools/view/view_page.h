@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "burin/render/progress.h"
+#include "burin/base/progress.h"
 #include "tools/view/board_view.h"
 
 namespace burin {

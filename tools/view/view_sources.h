@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "burin/render/finding.h"
-#include "burin/render/progress.h"
+#include "burin/base/finding.h"
+#include "burin/base/progress.h"
 #include "tools/view/board_view.h"
 
 namespace burin {

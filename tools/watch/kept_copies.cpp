@@ -5,9 +5,9 @@
 #include <fstream>
 #include <utility>
 
-#include "burin/render/error.h"
-#include "burin/render/files/json_file.h"
-#include "burin/render/files/write_file.h"
+#include "burin/base/error.h"
+#include "burin/base/files/json_file.h"
+#include "burin/base/files/write_file.h"
 #include "tools/content_hash.h"
 
 namespace burin {

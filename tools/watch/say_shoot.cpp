@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "burin/render/files/decimals.h"
-#include "burin/render/files/json_file.h"
+#include "burin/base/files/decimals.h"
+#include "burin/base/files/json_file.h"
 
 namespace burin {
 namespace {

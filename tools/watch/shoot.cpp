@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "burin/render/median.h"
+#include "burin/base/median.h"
 
 namespace burin {
 namespace {

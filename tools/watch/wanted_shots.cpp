@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "burin/calib/verdict/camera_place.h"
-#include "burin/render/error.h"
-#include "burin/render/files/json_file.h"
+#include "burin/base/error.h"
+#include "burin/base/files/json_file.h"
 #include "tools/photographed_lamps.h"
 
 namespace burin {

@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "burin/calib/light/probe/outline_edges.h"
-#include "burin/render/median.h"
+#include "burin/base/median.h"
 
 namespace burin {
 namespace {

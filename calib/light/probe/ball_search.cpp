@@ -9,7 +9,7 @@
 #include <numbers>
 #include <opencv2/imgproc.hpp>
 
-#include "burin/render/median.h"
+#include "burin/base/median.h"
 
 namespace burin {
 namespace {

@@ -5,8 +5,8 @@
 #include <Eigen/Geometry>
 #include <vector>
 
-#include "burin/render/image.h"
-#include "burin/render/lens.h"
+#include "burin/base/image.h"
+#include "burin/scene/lens.h"
 
 namespace burin {
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <span>
 
-#include "burin/render/image.h"
+#include "burin/base/image.h"
 
 namespace burin {
 

@@ -8,9 +8,9 @@
 
 #include "burin/calib/light/probe/ball_agreement.h"
 #include "burin/calib/light/probe/ball_search.h"
-#include "burin/render/error.h"
-#include "burin/render/files/decimals.h"
-#include "burin/render/median.h"
+#include "burin/base/error.h"
+#include "burin/base/files/decimals.h"
+#include "burin/base/median.h"
 
 namespace burin {
 namespace {

@@ -9,8 +9,8 @@
 
 #include "burin/calib/light/probe/ball_outline.h"
 #include "burin/calib/light/probe/ball_view.h"
-#include "burin/render/board.h"
-#include "burin/render/progress.h"
+#include "burin/scene/board.h"
+#include "burin/base/progress.h"
 
 namespace burin {
 

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <optional>
 
-#include "burin/render/median.h"
+#include "burin/base/median.h"
 
 namespace burin {
 namespace {

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "burin/render/far_light.h"
-#include "burin/render/sensor.h"
+#include "burin/scene/far_light.h"
+#include "burin/scene/sensor.h"
 
 namespace burin {
 namespace {

@@ -10,8 +10,8 @@
 
 #include "burin/calib/light/probe/mirror_ball.h"
 #include "burin/calib/light/probe/seen.h"
-#include "burin/render/image.h"
-#include "burin/render/lens.h"
+#include "burin/base/image.h"
+#include "burin/scene/lens.h"
 
 namespace burin {
 

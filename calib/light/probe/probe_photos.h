@@ -12,8 +12,8 @@
 #include "burin/calib/light/probe/probe_panorama.h"
 #include "burin/capture/photo.h"
 #include "burin/capture/session.h"
-#include "burin/render/board.h"
-#include "burin/render/progress.h"
+#include "burin/scene/board.h"
+#include "burin/base/progress.h"
 
 namespace burin {
 

@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "burin/capture/folder_session.h"
-#include "burin/render/lens.h"
+#include "burin/scene/lens.h"
 
 namespace burin {
 

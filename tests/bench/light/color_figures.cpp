@@ -13,13 +13,13 @@
 #include <string>
 #include <vector>
 
-#include "burin/capture/simulator/bench_truth.h"
-#include "burin/capture/simulator/point_sampler.h"
+#include "burin/simulate/bench_truth.h"
+#include "burin/simulate/point_sampler.h"
 #include "burin/optimize/design.h"
 #include "burin/optimize/design/design_output.h"
 #include "burin/optimize/loss/color_metrics.h"
 #include "burin/optimize/loss/loss.h"
-#include "burin/render/look_at.h"
+#include "burin/scene/look_at.h"
 
 namespace {
 

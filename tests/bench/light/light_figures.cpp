@@ -16,14 +16,14 @@
 #include <string>
 #include <vector>
 
-#include "burin/capture/simulator/bench_truth.h"
-#include "burin/capture/simulator/point_sampler.h"
+#include "burin/simulate/bench_truth.h"
+#include "burin/simulate/point_sampler.h"
 #include "burin/optimize/design.h"
 #include "burin/optimize/design/design_output.h"
 #include "burin/optimize/loss/picture_metrics.h"
-#include "burin/render/error.h"
-#include "burin/render/far_light.h"
-#include "burin/render/look_at.h"
+#include "burin/base/error.h"
+#include "burin/scene/far_light.h"
+#include "burin/scene/look_at.h"
 
 namespace {
 

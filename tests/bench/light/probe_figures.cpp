@@ -14,8 +14,8 @@
 #include <string>
 
 #include "burin/calib/light_probe.h"
-#include "burin/render/error.h"
-#include "burin/render/far_light.h"
+#include "burin/base/error.h"
+#include "burin/scene/far_light.h"
 #include "tests/calib/mirror_ball_photos.h"
 
 namespace {

@@ -3,9 +3,9 @@
 #include <burin/capture/session.h>
 #include <burin/optimize/loss/adam.h>
 #include <burin/optimize/machine_profile.h>
-#include <burin/render/board.h>
-#include <burin/render/groove.h>
-#include <burin/render/threads.h>
+#include <burin/scene/board.h>
+#include <burin/scene/groove.h>
+#include <burin/base/threads.h>
 #include <burin/render/view_renderer.h>
 
 #include <cstdio>

@@ -1,0 +1,11 @@
+// burin/base/degrees.h - between degrees, as people and files have angles, and radians, as formulas have them.
+#pragma once
+
+#include <numbers>
+
+namespace burin {
+
+inline constexpr double kDegree_rad = std::numbers::pi / 180;  ///< one degree, in radians
+inline constexpr double kRadian_deg = 180 / std::numbers::pi;  ///< one radian, in degrees
+
+}  // namespace burin

@@ -1,0 +1,29 @@
+// burin/base/files/decimals.h - how numbers stand in files and sentences: plain decimals, whatever the locale.
+#pragma once
+
+#include <cstddef>
+#include <string>
+
+namespace burin {
+
+/// `value` with that many decimals; one that rounds to nothing has no sign ("0.000", not "-0.000").
+std::string fixed(double value, int decimals);
+
+/// The fewest digits that give `value` again when they are read; no exponent.
+std::string shortest(double value);
+
+/// To `digits` significant digits, but to no tens, and (below 1e15) without an exponent or trailing zeros: with two
+/// digits, 0.0123 is "0.012", 0.5 is "0.5" and 562.4 is "562".
+std::string significant(double value, int digits = 2);
+
+/// To `digits` significant digits as printf's %g has them, whatever the locale: without trailing zeros, and with an
+/// exponent below 1e-4 and from 10^digits on.
+std::string general(double value, int digits);
+
+/// How many there are of a thing in sentences: "1 scratch", "2 scratches", "0 photos". `one` is the thing's singular.
+std::string counted(std::size_t count, const std::string& one);
+
+/// One decimal below ten, none from there on: "0.3", "9.9", "10".
+std::string coarse(double value);
+
+}  // namespace burin

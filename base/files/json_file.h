@@ -1,0 +1,92 @@
+// burin/base/files/json_file.h - reading Burin's JSON files strictly, and writing them
+// (burin/base/files/write_file.h). Include it in .cpp files only: it pulls in nlohmann-json.
+#pragma once
+
+#include <Eigen/Core>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "burin/base/files/write_file.h"
+
+namespace burin {
+
+using Json = nlohmann::ordered_json;
+
+/// One JSON object being read: knows its file and its place in it, hands out typed fields, and remembers which keys
+/// were asked for, so that finish() can name the ones that nobody knows. Every error names file, field and remedy.
+class JsonObject {
+ public:
+  JsonObject(const Json& json,
+             std::string where);  ///< `where`: "board.json" or "board.json: tags"; throws if no object
+
+  const std::string& where() const { return where_; }
+  bool has(const std::string& key) const;  ///< the key then counts as known
+
+  double number(const std::string& key);  ///< at most 1e18, of either sign
+  double number(const std::string& key, double fallback);
+  double positive(const std::string& key);
+  double positive(const std::string& key, double fallback);
+  int integer(const std::string& key);
+  int integer(const std::string& key, int fallback);
+  bool boolean(const std::string& key);
+  bool boolean(const std::string& key, bool fallback);
+  std::string text(const std::string& key);
+  std::string text(const std::string& key, const std::string& fallback);
+  std::vector<double> numbers(const std::string& key, int count);  ///< exactly `count`, or any number if count < 0
+  Eigen::Vector2d vec2(const std::string& key);
+  Eigen::Vector3d vec3(const std::string& key);
+  Eigen::Vector3d vec3(const std::string& key, const Eigen::Vector3d& fallback);
+  Eigen::MatrixXd matrix(const std::string& key, int rows, int cols);  ///< rows as arrays
+  JsonObject object(const std::string& key);
+  std::vector<JsonObject> objects(const std::string& key);  ///< an array of objects
+  const Json& raw(const std::string& key);                  ///< any value; throws if missing
+  std::vector<std::string> keys() const;                    ///< in the file's order, for objects used as maps
+
+  /// Throws naming the first key that was never asked for, and the keys that are known here.
+  void finish() const;
+
+  /// Throws Error about one field: "board.json: tags.size_mm: what; remedy".
+  [[noreturn]] void fail_field(const std::string& key, const std::string& what, const std::string& remedy) const;
+
+ private:
+  double number_in(const Json& value, const std::string& key) const;
+
+  const Json* json_;
+  std::string where_;
+  mutable std::set<std::string> asked_;
+};
+
+/// The object's "version". Throws Error where its "format" is not this, or its version is above `version` or below
+/// `oldest` (0: only `version` itself is read).
+int check_format(JsonObject object, const std::string& format, int version, int oldest = 0);
+
+/// Parses a JSON file and checks its "format" ("burin/board") and "version" (check_format). Throws Error with line and
+/// column on broken JSON. The caller keeps the Json alive while reading its JsonObject (which already asked for both
+/// keys).
+Json read_json(const std::filesystem::path& file, const std::string& format, int version, int oldest = 0);
+
+/// The whole of a file. Throws Error if it is missing, a folder or unreadable.
+std::string read_text(const std::filesystem::path& file);
+
+/// Pretty-printed JSON, doubles with the digits they need. Throws Error naming `file`, which it is for, where it holds
+/// a number that is not finite or a text that is not UTF-8.
+std::string json_text(const Json& json, const std::filesystem::path& file);
+
+/// Writes json_text() (write_file).
+void write_json(const Json& json, const std::filesystem::path& file);
+
+/// Makes a folder and its parents for output. Throws Error naming it if that fails or if it is not writable.
+void make_output_folder(const std::filesystem::path& folder);
+
+/// A path that a JSON file names, made usable from the working directory: paths are relative to the file's folder.
+std::filesystem::path resolve_path(const std::filesystem::path& file, const std::string& named);
+
+/// The other way round: `path` as `file` should name it, relative to its folder where that is possible.
+std::string path_beside(const std::filesystem::path& file, const std::filesystem::path& path);
+
+Json to_json(const Eigen::Ref<const Eigen::MatrixXd>& m);  ///< a vector as a flat array, a matrix as an array of rows
+
+}  // namespace burin

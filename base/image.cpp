@@ -1,0 +1,122 @@
+#include "burin/base/image.h"
+
+#include <OpenImageIO/imageio.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+
+#include "burin/base/error.h"
+#include "burin/pictures/encoded_picture.h"
+#include "burin/base/files/file_names.h"
+#include "burin/pictures/upright_picture.h"
+#include "burin/base/files/write_file.h"
+
+namespace burin {
+namespace {
+
+/// One destination sample as a weighted run of source samples.
+struct Tap {
+  int first = 0;
+  std::vector<float> weights;
+};
+
+/// Down: every source sample counts by how much of the destination's span it covers. Up: linear between centers.
+std::vector<Tap> taps(int source, int destination) {
+  std::vector<Tap> list(destination);
+  const double scale = static_cast<double>(source) / destination;
+  for (int i = 0; i < destination; ++i) {
+    Tap& tap = list[i];
+    if (scale >= 1) {
+      const double begin = i * scale, end = std::min<double>(source, (i + 1) * scale);
+      tap.first = static_cast<int>(begin);
+      for (int s = tap.first; s < end; ++s) {
+        const double covered = std::min<double>(end, s + 1) - std::max<double>(begin, s);
+        if (covered > 1e-9 || tap.weights.empty()) tap.weights.push_back(static_cast<float>(covered / (end - begin)));
+      }
+    } else {
+      const double at = std::clamp((i + 0.5) * scale - 0.5, 0.0, source - 1.0);
+      tap.first = std::min(static_cast<int>(at), std::max(0, source - 2));
+      const auto t = static_cast<float>(at - tap.first);
+      tap.weights = source > 1 ? std::vector<float>{1 - t, t} : std::vector<float>{1};
+    }
+  }
+  return list;
+}
+
+}  // namespace
+
+Image read_picture(const std::filesystem::path& file) {
+  UprightPicture picture = open_upright(file);
+  Image image(picture.width, picture.height, picture.channels);
+  for_each_pixel(picture, file, [&](int x, int y, const std::array<float, 3>& values) {
+    std::copy_n(values.begin(), image.channels, &image.at(x, y));
+  });
+  return image;
+}
+
+void write_picture(const Image& image, const std::filesystem::path& file, int png_bits) {
+  if (image.width < 1 || image.height < 1 || image.channels < 1 ||
+      image.data.size() != static_cast<std::size_t>(image.width) * image.height * image.channels)
+    fail(file.string(), "the picture to be written is empty", "this is a fault of the calculation before");
+  const std::string extension = lower_extension(file);
+  OIIO::TypeDesc type = OIIO::TypeDesc::UINT8;
+  if (extension == ".png") {
+    if (png_bits == 16) type = OIIO::TypeDesc::UINT16;
+  } else if (extension == ".exr" || extension == ".tif" || extension == ".tiff") {
+    type = OIIO::TypeDesc::FLOAT;
+  } else if (extension != ".jpg" && extension != ".jpeg") {
+    fail(file.string(), "unknown kind of picture \"" + extension + "\"", "use .png, .jpg, .exr or .tif");
+  }
+
+  std::vector<float> clamped;
+  const float* pixels = image.data.data();
+  if (type != OIIO::TypeDesc::FLOAT) {
+    clamped.resize(image.data.size());
+    std::transform(image.data.begin(), image.data.end(), clamped.begin(),
+                   [](float v) { return v > 0 ? std::min(v, 1.0f) : 0.0f; });  // NaN becomes 0 too
+    pixels = clamped.data();
+  }
+  OIIO::ImageSpec spec(image.width, image.height, image.channels, type);
+  if (type != OIIO::TypeDesc::FLOAT) spec.attribute("oiio:ColorSpace", "sRGB");
+  if (extension == ".jpg" || extension == ".jpeg") spec.attribute("Compression", "jpeg:95");
+  write_file(encoded_picture(extension, spec, OIIO::TypeDesc::FLOAT, pixels, file), file, Durability::by_the_system);
+}
+
+Image luminance(const Image& image) {
+  Image out(image.width, image.height, 1);
+  const std::size_t count = out.data.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    const float* p = &image.data[i * image.channels];
+    out.data[i] = image.channels >= 3 ? luminance_of(p) : p[0];
+  }
+  return out;
+}
+
+Image resized(const Image& image, int width, int height) {
+  if (width < 1 || height < 1 || image.width < 1 || image.height < 1)
+    fail("picture", "cannot be resized from or to an empty picture", "ask for a width and height of at least 1");
+  const int channels = image.channels;
+  const std::vector<Tap> columns = taps(image.width, width), rows = taps(image.height, height);
+  Image narrow(width, image.height, channels);
+  for (int y = 0; y < image.height; ++y)
+    for (int x = 0; x < width; ++x)
+      for (int c = 0; c < channels; ++c) {
+        float sum = 0;
+        for (std::size_t k = 0; k < columns[x].weights.size(); ++k)
+          sum += columns[x].weights[k] * image.at(columns[x].first + static_cast<int>(k), y, c);
+        narrow.at(x, y, c) = sum;
+      }
+  Image out(width, height, channels);
+  for (int y = 0; y < height; ++y)
+    for (std::size_t k = 0; k < rows[y].weights.size(); ++k) {
+      const float* from =
+          &narrow.data[static_cast<std::size_t>(rows[y].first + static_cast<int>(k)) * width * channels];
+      float* to = &out.data[static_cast<std::size_t>(y) * width * channels];
+      for (int i = 0; i < width * channels; ++i) to[i] += rows[y].weights[k] * from[i];
+    }
+  return out;
+}
+
+}  // namespace burin

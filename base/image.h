@@ -1,0 +1,49 @@
+// burin/base/image.h - a picture in memory, and pictures on disk through OpenImageIO.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <vector>
+
+#include "burin/base/srgb.h"
+
+namespace burin {
+
+/// Row-major, channels interleaved, top row first. Whether values are linear is said by whoever holds it.
+struct Image {
+  int width = 0, height = 0, channels = 1;
+  std::vector<float> data;
+
+  Image() = default;
+  /// All pixels with one value.
+  Image(int width_px, int height_px, int channel_count, float value = 0)
+      : width(width_px),
+        height(height_px),
+        channels(channel_count),
+        data(static_cast<std::size_t>(width_px) * height_px * channel_count, value) {}
+
+  /// The value at column x, row y, channel c; not checked.
+  float& at(int x, int y, int c = 0) { return data[(static_cast<std::size_t>(y) * width + x) * channels + c]; }
+  /// The value at column x, row y, channel c; not checked.
+  float at(int x, int y, int c = 0) const { return data[(static_cast<std::size_t>(y) * width + x) * channels + c]; }
+};
+
+/// Reads a picture as stored, integers scaled to 0..1, alpha composited over white, any size, 1 or 3 channels.
+/// EXIF orientation is applied (this is for target pictures; photos for calibration are read by capture/).
+/// Throws Error for a file that is missing or no picture.
+Image read_picture(const std::filesystem::path& file);
+
+/// Writes a picture by its extension: .png (8 bits, or 16 if asked), .jpg, .exr and .tif (float). Atomic.
+/// Values are written as they are (clamped to 0..1 for integer formats): encode before calling.
+void write_picture(const Image& image, const std::filesystem::path& file, int png_bits = 8);
+
+/// Rec. 709 luminance of three channels (0.2126 R + 0.7152 G + 0.0722 B); one channel is returned as it is.
+Image luminance(const Image& image);
+
+/// The same of one pixel's R, G, B.
+inline float luminance_of(const float* rgb) { return 0.2126f * rgb[0] + 0.7152f * rgb[1] + 0.0722f * rgb[2]; }
+
+/// Area-averaging (down) or bilinear (up) resize.
+Image resized(const Image& image, int width, int height);
+
+}  // namespace burin

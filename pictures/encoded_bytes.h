@@ -1,0 +1,24 @@
+// burin/pictures/encoded_bytes.h - pictures of 8 bits as PNG and JPEG files in memory, for those who include fmt:
+// headers of OpenImageIO, which encoded_picture.h needs, bring a fmt of another version.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+
+namespace burin {
+
+/// A picture's values as they are stored: rows from the top, `channels` values a pixel (1: gray, 3: RGB).
+struct EightBits {
+  int width = 0, height = 0, channels = 0;
+  std::span<const std::uint8_t> values;
+};
+
+/// A PNG file's bytes. Throws Error naming `file`, which it is for.
+std::string png_bytes(const EightBits& picture, const std::filesystem::path& file);
+
+/// A JPEG file's bytes, colors at full resolution; `quality` is libjpeg's, 1 to 100. Throws Error as png_bytes does.
+std::string jpeg_bytes(const EightBits& picture, int quality, const std::filesystem::path& file);
+
+}  // namespace burin

@@ -1,0 +1,113 @@
+// burin/pictures/upright_picture.h - a picture read a few rows at a time, upright and over white: what pictures in
+// memory, and light of them, are made of.
+#pragma once
+
+#include <OpenImageIO/imageio.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <filesystem>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "burin/base/error.h"
+#include "burin/pictures/file_colors.h"
+#include "burin/pictures/picture_file.h"
+
+namespace burin {
+
+inline constexpr const char* kPictureRemedy = "use a PNG, TIFF, JPEG or EXR picture that other programs open";
+
+/// A picture's rows, upright as its EXIF orientation says, colors over white, are handed on a few at a time: no more of
+/// it is in memory than what the caller keeps.
+struct UprightPicture {
+  std::unique_ptr<OIIO::ImageInput> input;
+  OIIO::ImageSpec spec;
+  ToSrgbColors to_srgb;  ///< takes back the colors that the file states
+  int orientation = 1;
+  int width = 0, height = 0, channels = 1;  ///< upright; 1 or 3 channels
+  bool linear = false;                      ///< its kind stores light itself (EXR, HDR), and not sRGB
+  float ground = 1;                         ///< on which what is see-through is laid: white
+
+  /// The stored channel that says how much is there; -1: all is.
+  int alpha_channel() const {
+    const int stored = spec.nchannels;
+    // OpenImageIO's reader of GIF names a fifth channel of four.
+    return spec.alpha_channel >= 0 && spec.alpha_channel < stored ? spec.alpha_channel
+           : stored == 2 || stored == 4                           ? stored - 1
+                                                                  : -1;
+  }
+  bool lies() const { return orientation >= 5; }
+
+  /// Where the stored pixel (x, y) stands upright (TIFF 6.0, Orientation).
+  std::pair<int, int> place(int x, int y) const {
+    const int right = spec.width - 1 - x, bottom = spec.height - 1 - y;
+    switch (orientation) {
+      case 2:
+        return {right, y};
+      case 3:
+        return {right, bottom};
+      case 4:
+        return {x, bottom};
+      case 5:
+        return {y, x};
+      case 6:
+        return {bottom, x};
+      case 7:
+        return {bottom, right};
+      case 8:
+        return {y, right};
+      default:
+        return {x, y};
+    }
+  }
+};
+
+/// Throws Error for a file that is missing, cut short or no picture.
+UprightPicture open_upright(const std::filesystem::path& file);
+
+/// Hands each pixel's values as sRGB stores them (linear values of EXR and HDR as they are), over the ground, to
+/// take(x, y, values), x and y being upright. Throws Error for a broken file.
+template <typename Take>
+void for_each_pixel(UprightPicture& picture, const std::filesystem::path& file, const Take& take) {
+  const OIIO::ImageSpec& spec = picture.spec;
+  const int stored = spec.nchannels, channels = picture.channels;
+  const int alpha = picture.alpha_channel();
+  const bool unassociated = spec.get_int_attribute("oiio:UnassociatedAlpha", 0) != 0;
+  const auto row_values = static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(stored);
+  constexpr std::size_t kValuesAtOnce = 1 << 22;
+  const int at_once = spec.tile_height > 0
+                          ? spec.tile_height
+                          : static_cast<int>(std::clamp<std::size_t>(kValuesAtOnce / row_values, 1, 1024));
+  std::vector<float> rows(row_values * static_cast<std::size_t>(std::min(at_once, spec.height)));
+  std::array<float, 3> values{};
+  for (int y0 = 0; y0 < spec.height; y0 += at_once) {
+    const int y1 = std::min(y0 + at_once, spec.height);
+    const bool read = spec.tile_height > 0
+                          ? picture.input->read_tiles(0, 0, spec.x, spec.x + spec.width, spec.y + y0, spec.y + y1,
+                                                      spec.z, spec.z + 1, 0, stored, OIIO::TypeDesc::FLOAT, rows.data())
+                          : picture.input->read_scanlines(0, 0, spec.y + y0, spec.y + y1, 0, 0, stored,
+                                                          OIIO::TypeDesc::FLOAT, rows.data());
+    require_read(read, *picture.input, file, kPictureRemedy);
+    picture.to_srgb.convert(rows.data(), static_cast<std::size_t>(spec.width) * static_cast<std::size_t>(y1 - y0),
+                            stored);
+    const float* pixels = rows.data();
+    for (int y = y0; y < y1; ++y)
+      for (int x = 0; x < spec.width; ++x, pixels += stored) {
+        for (int c = 0; c < channels; ++c) {
+          float value = pixels[c];
+          if (alpha >= 0 && alpha != c)
+            value = (unassociated ? value * pixels[alpha] : value) + picture.ground * (1 - pixels[alpha]);
+          if (!std::isfinite(value)) fail(file.string(), "has pixels that are not numbers", "export the picture again");
+          values[static_cast<std::size_t>(c)] = value;
+        }
+        const auto [upright_x, upright_y] = picture.place(x, y);
+        take(upright_x, upright_y, values);
+      }
+  }
+}
+
+}  // namespace burin

@@ -1,0 +1,54 @@
+// burin/scene/surface.h - the face of the board as it lies: flat, bowed a little, or bent to a cylinder. Frame: board,
+// mm. docs/model.md 1.2 and 1.3. A mesh with uv is burin/scene/board_mesh.h; what a board's face is, all told,
+// burin/scene/board_face.h.
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+
+#include "burin/scene/bend.h"
+
+namespace burin {
+
+/// The face's height z = b0 X^2 + b1 X Y + b2 Y^2, X and Y running from -1 to 1 over the board. Of a bent sheet the
+/// first two numbers of the bow change its cylinder instead (cylinder_of() says how); the third means nothing there.
+struct Surface {
+  Eigen::Vector2d size_mm{1, 1};
+  Eigen::Vector3d bow_mm{0, 0, 0};
+  std::optional<Bend> bend{};
+};
+
+/// Of a bent sheet.
+inline Cylinder cylinder_of(const Surface& s) { return cylinder_of(*s.bend, s.size_mm, s.bow_mm.head<2>()); }
+
+/// Of a face that is not bent.
+inline double height_mm(const Surface& s, double x_mm, double y_mm) {
+  const double X = 2 * x_mm / s.size_mm.x() - 1, Y = 2 * y_mm / s.size_mm.y() - 1;
+  return s.bow_mm[0] * X * X + s.bow_mm[1] * X * Y + s.bow_mm[2] * Y * Y;
+}
+
+/// Where a place of the flat sheet lies in space.
+inline Eigen::Vector3d face_point(const Surface& s, double x_mm, double y_mm) {
+  if (s.bend) return bent_place(cylinder_of(s), {x_mm, y_mm}).position_mm;
+  return {x_mm, y_mm, height_mm(s, x_mm, y_mm)};
+}
+
+/// Unit normal of the face, out of the metal, at a place of the flat sheet.
+inline Eigen::Vector3d face_normal(const Surface& s, double x_mm, double y_mm) {
+  if (s.bend) return bent_place(cylinder_of(s), {x_mm, y_mm}).normal;
+  const double X = 2 * x_mm / s.size_mm.x() - 1, Y = 2 * y_mm / s.size_mm.y() - 1;
+  const double dz_dx = (2 * s.bow_mm[0] * X + s.bow_mm[1] * Y) * 2 / s.size_mm.x();
+  const double dz_dy = (s.bow_mm[1] * X + 2 * s.bow_mm[2] * Y) * 2 / s.size_mm.y();
+  return Eigen::Vector3d(-dz_dx, -dz_dy, 1).normalized();
+}
+
+/// A place above the face by `z_mm` along its normal: a tag's paper. Over a face that is not bent, along z.
+inline Eigen::Vector3d above_face(const Surface& s, double x_mm, double y_mm, double z_mm) {
+  if (s.bend) {
+    const BentPlace place = bent_place(cylinder_of(s), {x_mm, y_mm});
+    return place.position_mm + z_mm * place.normal;
+  }
+  return {x_mm, y_mm, height_mm(s, x_mm, y_mm) + z_mm};
+}
+
+}  // namespace burin
