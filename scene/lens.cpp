@@ -1,9 +1,6 @@
 #include "burin/scene/lens.h"
 
-extern "C" {  // mrcal.h has no guard for C++ of its own
-#include <mrcal/mrcal.h>
-}
-
+#include <Eigen/LU>
 #include <array>
 #include <charconv>
 #include <cmath>
@@ -12,57 +9,71 @@ extern "C" {  // mrcal.h has no guard for C++ of its own
 #include "burin/base/error.h"
 #include "burin/base/files/input_file.h"
 #include "burin/base/files/json_file.h"
-#include "burin/pictures/picture_file.h"
 #include "burin/base/files/python_literal.h"
+#include "burin/base/image.h"
 #include "burin/base/limits.h"
+#include "burin/scene/mrcal_lens.h"
 
 namespace burin {
 namespace {
 
-static_assert(sizeof(mrcal_point2_t) == sizeof(Eigen::Vector2d) && sizeof(mrcal_point3_t) == sizeof(Eigen::Vector3d));
-
-std::string known_models() {
-  std::string names;
-  for (const char* const* name = mrcal_supported_lensmodel_names(); *name; ++name)
-    names += (names.empty() ? "" : ", ") + std::string(*name);
-  return names;
+/// Number of distortions of a model that is written out here; -1 of one that is mrcal's.
+int written_out(const std::string& model) {
+  if (model == "LENSMODEL_PINHOLE") return 0;
+  for (const int distortions : {4, 5, 8, 12})
+    if (model == "LENSMODEL_OPENCV" + std::to_string(distortions)) return distortions;
+  return -1;
 }
 
-/// `where` is the file or part of the program that names the model.
-mrcal_lensmodel_t lens_model(const std::string& name, const std::string& where) {
-  mrcal_lensmodel_t model;
-  if (!mrcal_lensmodel_from_name(&model, name.c_str()) || !mrcal_lensmodel_type_is_valid(model.type))
-    fail(where, "mrcal knows no lens model \"" + name + "\"", "use one of " + known_models());
-  if (model.type == MRCAL_LENSMODEL_CAHVORE)
-    fail(where, "mrcal gives neither gradients nor an inverse for " + name,
-         "convert it with mrcal-convert-lensmodel, to LENSMODEL_OPENCV8 for instance");
-  if (model.type == MRCAL_LENSMODEL_SPLINED_STEREOGRAPHIC) {
-    // mrcal takes any numbers here and aborts the program later.
-    const auto& config = model.LENSMODEL_SPLINED_STEREOGRAPHIC__config;
-    if ((config.order != 2 && config.order != 3) || config.Nx < config.order + 1 || config.Ny < config.order + 1 ||
-        config.fov_x_deg < 1 || config.fov_x_deg >= 360)
-      fail(where, "the configuration in \"" + name + "\" makes no spline",
-           "order is 2 or 3, Nx and Ny are at least order + 1, fov_x_deg lies between 1 and 359");
-  }
-  return model;
+int parameter_count(const std::string& model, const std::string& where) {
+  const int distortions = written_out(model);
+  return distortions >= 0 ? 4 + distortions : mrcal_parameter_count(model, where);
 }
 
-/// The model, after checking that the lens has its number of parameters and that they are numbers.
-mrcal_lensmodel_t checked_model(const Lens& lens, const std::string& where) {
-  const mrcal_lensmodel_t model = lens_model(lens.model, where);
-  const int expected = mrcal_lensmodel_num_params(&model);
+/// Throws Error unless the lens has its model's number of parameters and they are numbers. `where` is the file or part
+/// of the program that names the lens.
+void check_lens(const Lens& lens, const std::string& where) {
+  const int expected = parameter_count(lens.model, where);
   if (lens.intrinsics.size() != static_cast<std::size_t>(expected))
     fail(where, lens.model + " has " + std::to_string(lens.intrinsics.size()) + " intrinsics",
          "it needs " + std::to_string(expected));
   for (const double v : lens.intrinsics)
     if (!std::isfinite(v)) fail(where, "an intrinsic of the lens is not a finite number", "calibrate again");
-  return model;
 }
 
-const mrcal_point3_t* as_mrcal(const Eigen::Vector3d* p) { return reinterpret_cast<const mrcal_point3_t*>(p); }
-const mrcal_point2_t* as_mrcal(const Eigen::Vector2d* q) { return reinterpret_cast<const mrcal_point2_t*>(q); }
-mrcal_point3_t* as_mrcal(Eigen::Vector3d* p) { return reinterpret_cast<mrcal_point3_t*>(p); }
-mrcal_point2_t* as_mrcal(Eigen::Vector2d* q) { return reinterpret_cast<mrcal_point2_t*>(q); }
+/// OpenCV's distortion k of a point on the plane z = 1, and its derivatives by the point and by k. A pinhole has none.
+struct Distorted {
+  Eigen::Vector2d at{0, 0};
+  Eigen::Matrix2d by_point = Eigen::Matrix2d::Identity();
+  std::array<Eigen::Vector2d, 12> by_k{};
+};
+
+Distorted distorted(const std::array<double, 12>& k, const Eigen::Vector2d& p) {
+  const double x = p.x(), y = p.y(), r2 = x * x + y * y, r4 = r2 * r2, r6 = r4 * r2;
+  const double a1 = 2 * x * y, a2 = r2 + 2 * x * x, a3 = r2 + 2 * y * y;
+  const double above = 1 + k[0] * r2 + k[1] * r4 + k[4] * r6, below = 1 / (1 + k[5] * r2 + k[6] * r4 + k[7] * r6);
+  const double radial = above * below;
+  Distorted out;
+  out.at = {x * radial + k[2] * a1 + k[3] * a2 + k[8] * r2 + k[9] * r4,
+            y * radial + k[2] * a3 + k[3] * a1 + k[10] * r2 + k[11] * r4};
+  // d/d(r^2) of the radial factor, and of the thin prism.
+  const double slope = below * (k[0] + 2 * k[1] * r2 + 3 * k[4] * r4 - radial * (k[5] + 2 * k[6] * r2 + 3 * k[7] * r4));
+  const double prism_x = k[8] + 2 * k[9] * r2, prism_y = k[10] + 2 * k[11] * r2;
+  out.by_point << radial + 2 * x * x * slope + 2 * k[2] * y + 6 * k[3] * x + 2 * x * prism_x,
+      2 * x * y * slope + 2 * k[2] * x + 2 * k[3] * y + 2 * y * prism_x,
+      2 * x * y * slope + 2 * k[2] * x + 2 * k[3] * y + 2 * x * prism_y,
+      radial + 2 * y * y * slope + 6 * k[2] * y + 2 * k[3] * x + 2 * y * prism_y;
+  out.by_k = {
+      below * r2 * p,           below * r4 * p,           {a1, a3}, {a2, a1}, below * r6 * p, -radial * below * r2 * p,
+      -radial * below * r4 * p, -radial * below * r6 * p, {r2, 0},  {r4, 0},  {0, r2},        {0, r4}};
+  return out;
+}
+
+std::array<double, 12> distortions_of(const Lens& lens) {
+  std::array<double, 12> k{};
+  std::copy(lens.intrinsics.begin() + 4, lens.intrinsics.end(), k.begin());
+  return k;
+}
 
 std::string digits17(double value) {
   std::array<char, 40> buffer;
@@ -82,7 +93,7 @@ Lens with_own(const Lens& lens, const OwnLens& own) {
 
 void project(const Lens& lens, std::span<const Eigen::Vector3d> p_camera, std::span<Eigen::Vector2d> q_px,
              std::vector<PixelByPoint>* dq_dp, std::vector<double>* dq_dintrinsics) {
-  const mrcal_lensmodel_t model = checked_model(lens, "lens");
+  check_lens(lens, "lens");
   const std::size_t count = p_camera.size(), parameters = lens.intrinsics.size();
   if (q_px.size() != count)
     fail("lens", "room for " + std::to_string(q_px.size()) + " pixels for " + std::to_string(count) + " points",
@@ -90,43 +101,68 @@ void project(const Lens& lens, std::span<const Eigen::Vector3d> p_camera, std::s
   if (dq_dp) dq_dp->resize(count);
   if (dq_dintrinsics) dq_dintrinsics->assign(count * 2 * parameters, 0);
   if (count == 0) return;
-  static_assert(sizeof(PixelByPoint) == 2 * sizeof(mrcal_point3_t));
-  auto* dq_dp_out = dq_dp ? reinterpret_cast<mrcal_point3_t*>(dq_dp->data()) : nullptr;
+  if (written_out(lens.model) < 0)
+    return mrcal_project(lens.model, lens.intrinsics, p_camera, q_px, dq_dp, dq_dintrinsics);
 
-  bool ok = true;
-  if (dq_dp && !dq_dintrinsics) {
-    // libmrcal 2.2 returns a wrong dq_dp for several points at once unless dq_dintrinsics is asked for too. One point a
-    // call is right, and cheaper than gradients that nobody wants.
-    for (std::size_t i = 0; i < count && ok; ++i)
-      ok = mrcal_project(as_mrcal(&q_px[i]), dq_dp_out + 2 * i, nullptr, as_mrcal(&p_camera[i]), 1, &model,
-                         lens.intrinsics.data());
-  } else if (dq_dintrinsics && !dq_dp) {
-    std::vector<PixelByPoint> unused(count);
-    ok = mrcal_project(as_mrcal(q_px.data()), reinterpret_cast<mrcal_point3_t*>(unused.data()), dq_dintrinsics->data(),
-                       as_mrcal(p_camera.data()), static_cast<int>(count), &model, lens.intrinsics.data());
-  } else {
-    ok = mrcal_project(as_mrcal(q_px.data()), dq_dp_out, dq_dintrinsics ? dq_dintrinsics->data() : nullptr,
-                       as_mrcal(p_camera.data()), static_cast<int>(count), &model, lens.intrinsics.data());
+  const std::array<double, 12> k = distortions_of(lens);
+  const Eigen::Vector2d f(lens.intrinsics[0], lens.intrinsics[1]), c(lens.intrinsics[2], lens.intrinsics[3]);
+  for (std::size_t i = 0; i < count; ++i) {
+    const Eigen::Vector3d& p = p_camera[i];
+    const Eigen::Vector2d plane = p.head<2>() / p.z();
+    const Distorted d = distorted(k, plane);
+    q_px[i] = d.at.cwiseProduct(f) + c;
+    if (dq_dp) {
+      PixelByPoint by_point;
+      by_point.leftCols<2>() = f.asDiagonal() * d.by_point / p.z();
+      by_point.col(2) = -by_point.leftCols<2>() * plane;
+      (*dq_dp)[i] = by_point;
+    }
+    if (!dq_dintrinsics) continue;
+    for (std::size_t row = 0; row < 2; ++row) {
+      double* const out = dq_dintrinsics->data() + (2 * i + row) * parameters;
+      const auto axis = static_cast<Eigen::Index>(row);
+      out[row] = d.at[axis];
+      out[2 + row] = 1;
+      for (std::size_t j = 4; j < parameters; ++j) out[j] = f[axis] * d.by_k[j - 4][axis];
+    }
   }
-  if (!ok) fail("lens", "mrcal could not project with " + lens.model, "use LENSMODEL_OPENCV4, 5 or 8");
 }
 
+namespace {
+
+/// Newton's iteration from the undistorted point. Away from a solution it ends anywhere.
+Eigen::Vector3d inverse(const std::array<double, 12>& k, const Eigen::Vector2d& at) {
+  Eigen::Vector2d p = at;
+  for (int i = 0; i < 50; ++i) {
+    const Distorted d = distorted(k, p);
+    const Eigen::Vector2d step = d.by_point.inverse() * (at - d.at);
+    p += step;
+    if (!(step.norm() > 1e-15 * (1 + p.norm()))) break;
+  }
+  return p.homogeneous();
+}
+
+}  // namespace
+
 void unproject(const Lens& lens, std::span<const Eigen::Vector2d> q_px, std::span<Eigen::Vector3d> v_camera) {
-  const mrcal_lensmodel_t model = checked_model(lens, "lens");
+  check_lens(lens, "lens");
   const std::size_t count = q_px.size();
   if (v_camera.size() != count)
     fail("lens", "room for " + std::to_string(v_camera.size()) + " directions for " + std::to_string(count) + " pixels",
          "give one each");
   if (count == 0) return;
-  if (!mrcal_unproject(as_mrcal(v_camera.data()), as_mrcal(q_px.data()), static_cast<int>(count), &model,
-                       lens.intrinsics.data()))
-    fail("lens", "mrcal could not unproject with " + lens.model, "use LENSMODEL_OPENCV4, 5 or 8");
+  if (written_out(lens.model) < 0) {
+    mrcal_unproject(lens.model, lens.intrinsics, q_px, v_camera);
+  } else {
+    const std::array<double, 12> k = distortions_of(lens);
+    const Eigen::Vector2d f(lens.intrinsics[0], lens.intrinsics[1]), c(lens.intrinsics[2], lens.intrinsics[3]);
+    for (std::size_t i = 0; i < count; ++i) v_camera[i] = inverse(k, (q_px[i] - c).cwiseQuotient(f));
+  }
 
-  // The inverse is iterative: where it stopped elsewhere (outside of the model's range), say so instead of lying.
-  constexpr double kTolerance_px = 1e-4;  // mrcal's own solve ends at about 2e-8 px where it succeeds
+  // Both inverses are iterative. NaN marks a pixel outside of the model's range, where they end elsewhere.
+  constexpr double kTolerance_px = 1e-4;
   std::vector<Eigen::Vector2d> back(count);
-  mrcal_project(as_mrcal(back.data()), nullptr, nullptr, as_mrcal(v_camera.data()), static_cast<int>(count), &model,
-                lens.intrinsics.data());
+  project(lens, v_camera, back);
   for (std::size_t i = 0; i < count; ++i) {
     const double length = v_camera[i].norm();
     if (length > 0 && (back[i] - q_px[i]).norm() < kTolerance_px)
@@ -142,10 +178,7 @@ Lens nominal_lens(double focal_35mm, int width, int height) {
       "LENSMODEL_OPENCV5", {focal_px, focal_px, (width - 1) / 2.0, (height - 1) / 2.0, 0, 0, 0, 0, 0}, width, height};
 }
 
-int lens_parameter_count(const std::string& model) {
-  const mrcal_lensmodel_t parsed = lens_model(model, "lens");
-  return mrcal_lensmodel_num_params(&parsed);
-}
+int lens_parameter_count(const std::string& model) { return parameter_count(model, "lens"); }
 
 Lens read_cameramodel(const std::filesystem::path& file) {
   const std::string text = read_bytes(file, limit::kLensBytes, "a lens model");
@@ -161,14 +194,14 @@ Lens read_cameramodel(const std::filesystem::path& file) {
   lens.width = static_cast<int>(size[0]);
   lens.height = static_cast<int>(size[1]);
   require_picture_size(lens.width, lens.height, limit::kPhotoPixels, file.string() + ": imagersize", "a photo");
-  checked_model(lens, file.string());
+  check_lens(lens, file.string());
   if (!(lens.intrinsics[0] > 0) || !(lens.intrinsics[1] > 0))
     json.fail_field("intrinsics", "has a focal length that is not greater than 0", "correct its first two numbers");
   return lens;
 }
 
 void write_cameramodel(const Lens& lens, const std::filesystem::path& file) {
-  checked_model(lens, file.string());
+  check_lens(lens, file.string());
   if (lens.width <= 0 || lens.height <= 0)
     fail(file.string(), "the lens has no image size", "set its width and height in pixels");
   // mrcal's own C writer keeps six decimals.

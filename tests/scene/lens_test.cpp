@@ -1,6 +1,6 @@
 // Proves: projection and its inverse agree, gradients are those of finite differences (mrcal's own two entry points
 // disagree when asked carelessly), files go both ways between us and mrcal's Python tools.
-// Does not prove mrcal's lens formulas themselves, but for the pinhole, whose formula is one line.
+// The models that are written out are mrcal's own, with all derivatives.
 #include "burin/scene/lens.h"
 #include "tests/places.h"
 
@@ -16,6 +16,7 @@
 #include <random>
 
 #include "burin/base/error.h"
+#include "burin/scene/mrcal_lens.h"
 #include "tests/temporary_folder.h"
 
 namespace burin {
@@ -61,6 +62,41 @@ TEST(Lens, PinholeIsItsFormula) {
   for (std::size_t i = 0; i < p.size(); ++i) {
     EXPECT_NEAR(q[i].x(), 1000 * p[i].x() / p[i].z() + 640, 1e-10);
     EXPECT_NEAR(q[i].y(), 1010 * p[i].y() / p[i].z() + 480, 1e-10);
+  }
+}
+
+// What mrcal returns, and rounding, of numbers up to `largest`.
+void expect_as_mrcal(double ours, double mrcals, double largest) { EXPECT_NEAR(ours, mrcals, 1e-12 * (1 + largest)); }
+
+TEST(Lens, WrittenOutModelsAreMrcals) {
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> small(-0.05, 0.05);
+  const auto p = points(200);
+  for (const int distortions : {0, 4, 5, 8, 12}) {
+    Lens lens{distortions > 0 ? "LENSMODEL_OPENCV" + std::to_string(distortions) : "LENSMODEL_PINHOLE",
+              {1000, 1010, 640, 480},
+              1280,
+              960};
+    for (int i = 0; i < distortions; ++i) lens.intrinsics.push_back(small(random));
+    std::vector<Eigen::Vector2d> q(p.size()), q_mrcal(p.size());
+    std::vector<PixelByPoint> by_point, by_point_mrcal(p.size());
+    std::vector<double> by_lens, by_lens_mrcal(2 * p.size() * lens.intrinsics.size());
+    project(lens, p, q, &by_point, &by_lens);
+    try {
+      mrcal_project(lens.model, lens.intrinsics, p, q_mrcal, &by_point_mrcal, &by_lens_mrcal);
+    } catch (const Error& error) {
+      GTEST_SKIP() << error.what();
+    }
+    for (std::size_t i = 0; i < p.size(); ++i) {
+      expect_as_mrcal((q[i] - q_mrcal[i]).norm(), 0, q[i].norm());
+      expect_as_mrcal((by_point[i] - by_point_mrcal[i]).norm(), 0, by_point[i].norm());
+    }
+    for (std::size_t i = 0; i < by_lens.size(); ++i)
+      expect_as_mrcal(by_lens[i], by_lens_mrcal[i], std::abs(by_lens[i]));
+
+    std::vector<Eigen::Vector3d> v(q.size());
+    unproject(lens, q, v);
+    for (std::size_t i = 0; i < p.size(); ++i) EXPECT_LT((v[i] - p[i].normalized()).norm(), 1e-12) << lens.model;
   }
 }
 
