@@ -1,9 +1,9 @@
 #include "burin/scene/blur.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
-#include <opencv2/core.hpp>
-#include <opencv2/imgproc.hpp>
 
 namespace burin {
 
@@ -23,14 +23,37 @@ std::vector<float> blur_taps(double psf_sigma_px, int bin) {
   return taps;
 }
 
+namespace {
+
+void add_weighed(const float* from, float weight, float* to, std::size_t count) {
+  for (std::size_t i = 0; i < count; ++i) to[i] += weight * from[i];
+}
+
+}  // namespace
+
 Image blurred(const Image& image, const std::vector<float>& taps) {
   if (taps.empty()) return image;
-  // OpenCV's headers want pointers to data that they do not change.
-  const cv::Mat in(image.height, image.width, CV_32FC(image.channels), const_cast<float*>(image.data.data()));
-  const cv::Mat kernel(static_cast<int>(taps.size()), 1, CV_32F, const_cast<float*>(taps.data()));
-  Image out(image.width, image.height, image.channels);
-  cv::Mat result(out.height, out.width, CV_32FC(out.channels), out.data.data());
-  cv::sepFilter2D(in, result, CV_32F, kernel, kernel, cv::Point(-1, -1), 0, cv::BORDER_REPLICATE);
+  const std::size_t channels = static_cast<std::size_t>(image.channels), radius = taps.size() / 2;
+  const std::size_t row = channels * static_cast<std::size_t>(image.width);
+  Image wide(image.width, image.height, image.channels), out = wide;
+  tbb::parallel_for(0, image.height, [&](int y) {
+    std::vector<float> padded(row + 2 * radius * channels);
+    const float* const from = image.data.data() + static_cast<std::size_t>(y) * row;
+    for (std::size_t i = 0; i < radius * channels; ++i) {
+      padded[i] = from[i % channels];
+      padded[radius * channels + row + i] = from[row - channels + i % channels];
+    }
+    std::copy_n(from, row, padded.begin() + static_cast<std::ptrdiff_t>(radius * channels));
+    float* const to = wide.data.data() + static_cast<std::size_t>(y) * row;
+    for (std::size_t t = 0; t < taps.size(); ++t) add_weighed(padded.data() + t * channels, taps[t], to, row);
+  });
+  tbb::parallel_for(0, image.height, [&](int y) {
+    float* const to = out.data.data() + static_cast<std::size_t>(y) * row;
+    for (std::size_t t = 0; t < taps.size(); ++t) {
+      const int at = std::clamp(y + static_cast<int>(t) - static_cast<int>(radius), 0, image.height - 1);
+      add_weighed(wide.data.data() + static_cast<std::size_t>(at) * row, taps[t], to, row);
+    }
+  });
   return out;
 }
 
