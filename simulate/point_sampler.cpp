@@ -14,18 +14,17 @@
 #include <string>
 #include <vector>
 
+#include "burin/base/cell_grid.h"
+#include "burin/base/error.h"
+#include "burin/base/scattered.h"
+#include "burin/scene/far_light.h"
+#include "burin/scene/lamp_size.h"
 #include "burin/simulate/around_sampler.h"
 #include "burin/simulate/bent_sheet.h"
 #include "burin/simulate/brushed_face.h"
 #include "burin/simulate/groove_section.h"
+#include "burin/simulate/microfacets.h"
 #include "burin/simulate/things_on_board.h"
-#include "burin/render/brdf.h"
-#include "burin/base/cell_grid.h"
-#include "burin/base/error.h"
-#include "burin/scene/far_light.h"
-#include "burin/scene/groove.h"
-#include "burin/scene/lamp_size.h"
-#include "burin/base/scattered.h"
 
 namespace burin {
 namespace {
@@ -320,11 +319,10 @@ PointSampler::PointSampler(const BenchTruth& truth, const Carved& grooves) : sta
   for (std::size_t i = 0; i < n; ++i) {
     const double dx = carved.x1_mm[i] - carved.x0_mm[i], dy = carved.y1_mm[i] - carved.y0_mm[i];
     const double length = std::hypot(dx, dy);
-    state_->grooves.push_back(
-        {carved.x0_mm[i], carved.y0_mm[i], dx / length, dy / length, length,
-         1e-3 * half_width_um(truth.board.material.profile, carved.width_um[i], carved.depth_um[i]),
-         2 / (1e-3 * carved.width_um[i]), carved.alpha[i],
-         section_of(truth.board.material.profile, carved.width_um[i], carved.depth_um[i])});
+    const GrooveSection section = section_of(truth.board.material.profile, carved.width_um[i], carved.depth_um[i]);
+    state_->grooves.push_back({carved.x0_mm[i], carved.y0_mm[i], dx / length, dy / length, length,
+                               1e-3 * section.half_width_um, 2 / (1e-3 * carved.width_um[i]), carved.alpha[i],
+                               section});
   }
   state_->bins = bins_of(state_->grooves, truth.board.size_mm);
 
@@ -386,7 +384,7 @@ void PointSampler::State::shine(const Vector3d& camera, const Light& light, cons
   corner.h_n = normal.dot(h);
   corner.cos_i = normal.dot(light_here.wi);
   corner.cos_o = normal.dot(wo);
-  corner.fresnel = schlick_F(h.dot(wo), 0.0);
+  corner.fresnel = fresnel_share(h.dot(wo), 0.0);
   if (corner.cos_i > 0 && corner.cos_o > 0 && !shaded) corner.geometry = light_here.strength / (4 * corner.cos_o);
   if (brushed) {
     corner.base_h = h_flat;
@@ -399,7 +397,8 @@ void PointSampler::State::shine(const Vector3d& camera, const Light& light, cons
     return;
   }
   const double alpha = truth.board.material.base_alpha;
-  corner.base = ggx_D(corner.h_n, alpha) * smith_G(corner.cos_i, corner.cos_o, alpha) * corner.geometry;
+  corner.base =
+      facets_leaning(corner.h_n, alpha) * share_lit_and_seen(corner.cos_i, corner.cos_o, alpha) * corner.geometry;
 }
 
 // Of a bent sheet a ray meets the nearest part, or its back, which shows nothing.
@@ -449,10 +448,10 @@ void PointSampler::State::see_grooves(const std::vector<int>& near, const PixelC
   for (const int i : near) {
     const Groove& g = grooves[i];
     const double a2 = g.alpha * g.alpha;
-    seen.push_back(
-        {g.x0, g.y0, g.ex, g.ey, g.length, g.half_width, g.t_per_mm, a2,
-         a2 / std::numbers::pi * smith_G(corners.mean(&Corner::cos_i), corners.mean(&Corner::cos_o), g.alpha),
-         normal.x() * g.ey - normal.y() * g.ex, &g.section});
+    seen.push_back({g.x0, g.y0, g.ex, g.ey, g.length, g.half_width, g.t_per_mm, a2,
+                    a2 / std::numbers::pi *
+                        share_lit_and_seen(corners.mean(&Corner::cos_i), corners.mean(&Corner::cos_o), g.alpha),
+                    normal.x() * g.ey - normal.y() * g.ex, &g.section});
   }
 }
 
@@ -480,8 +479,9 @@ double PointSampler::State::add_things(const std::vector<int>& near, double px, 
       const Vector3d h = (here.wi + wo).normalized();
       const double cos_o = normal.dot(wo);
       if (cos_i > 0 && cos_o > 0)
-        seen += light.intensity * (ggx_D(normal.dot(h), coat.gloss_alpha) * smith_G(cos_i, cos_o, coat.gloss_alpha) *
-                                   schlick_F(h.dot(wo), coat.gloss_f0) * here.strength / (4 * cos_o));
+        seen += light.intensity *
+                (facets_leaning(normal.dot(h), coat.gloss_alpha) * share_lit_and_seen(cos_i, cos_o, coat.gloss_alpha) *
+                 fresnel_share(h.dot(wo), coat.gloss_f0) * here.strength / (4 * cos_o));
       seen += truth.ambient * coat.gloss_f0;
     }
     others += bare * coat.share * seen;
