@@ -1,10 +1,12 @@
-// burin/base/image.h - a picture in memory, and pictures on disk through OpenImageIO.
+// burin/base/image.h - a picture in memory.
 #pragma once
 
 #include <cstddef>
-#include <filesystem>
+#include <cstdint>
+#include <string>
 #include <vector>
 
+#include "burin/base/limits.h"
 #include "burin/base/srgb.h"
 
 namespace burin {
@@ -28,14 +30,9 @@ struct Image {
   float at(int x, int y, int c = 0) const { return data[(static_cast<std::size_t>(y) * width + x) * channels + c]; }
 };
 
-/// Reads a picture as stored, integers scaled to 0..1, alpha composited over white, any size, 1 or 3 channels.
-/// EXIF orientation is applied (this is for target pictures; photos for calibration are read by capture/).
-/// Throws Error for a file that is missing or no picture.
-Image read_picture(const std::filesystem::path& file);
-
-/// Writes a picture by its extension: .png (8 bits, or 16 if asked), .jpg, .exr and .tif (float). Atomic.
-/// Values are written as they are (clamped to 0..1 for integer formats): encode before calling.
-void write_picture(const Image& image, const std::filesystem::path& file, int png_bits = 8);
+/// Throws Error unless width x height is a picture of at most `most` pixels, its sides within `most_side`.
+void require_picture_size(std::int64_t width, std::int64_t height, std::int64_t most, const std::string& where,
+                          const std::string& kind, std::int64_t most_side = limit::kPictureSide);
 
 /// Rec. 709 luminance of three channels (0.2126 R + 0.7152 G + 0.0722 B); one channel is returned as it is.
 Image luminance(const Image& image);

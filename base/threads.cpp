@@ -1,6 +1,5 @@
 #include "burin/base/threads.h"
 
-#include <OpenImageIO/imageio.h>
 #include <tbb/global_control.h>
 
 #include <string>
@@ -13,9 +12,9 @@ extern "C" void omp_set_num_threads(int count) __attribute__((weak));
 namespace burin {
 namespace {
 
-/// OpenImageIO and OpenMP have threads of their own; all others (OpenCV, Embree) take TBB's.
+/// OpenMP has threads of its own, and so has OpenImageIO (pictures/picture_file.cpp); all others (OpenCV, Embree) take
+/// TBB's.
 void follow_limit() {
-  OIIO::attribute("threads", thread_count());
   if (omp_set_num_threads != nullptr) omp_set_num_threads(thread_count());
 }
 

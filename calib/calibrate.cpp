@@ -8,6 +8,11 @@
 #include <set>
 #include <thread>
 
+#include "burin/base/error.h"
+#include "burin/base/files/decimals.h"
+#include "burin/base/files/files_together.h"
+#include "burin/base/files/json_file.h"
+#include "burin/base/median.h"
 #include "burin/calib/change_in_time.h"
 #include "burin/calib/geometry/own_focal.h"
 #include "burin/calib/light/lamp.h"
@@ -20,11 +25,6 @@
 #include "burin/capture/photo.h"
 #include "burin/capture/tags/tag_family.h"
 #include "burin/scene/board_face.h"
-#include "burin/base/error.h"
-#include "burin/base/files/decimals.h"
-#include "burin/base/files/files_together.h"
-#include "burin/base/files/json_file.h"
-#include "burin/base/median.h"
 #include "burin/scene/parameter_name.h"
 #include "burin/scene/scratches.h"
 

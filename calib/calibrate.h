@@ -18,13 +18,13 @@
 #include <string>
 #include <vector>
 
+#include "burin/base/finding.h"
+#include "burin/base/progress.h"
 #include "burin/calib/camera_look.h"
 #include "burin/calib/geometry/board_solver.h"
 #include "burin/capture/session.h"
 #include "burin/scene/bench.h"
 #include "burin/scene/board.h"
-#include "burin/base/finding.h"
-#include "burin/base/progress.h"
 
 namespace burin {
 

@@ -9,13 +9,13 @@
 #include <string>
 #include <utility>
 
+#include "burin/base/error.h"
+#include "burin/base/files/decimals.h"
+#include "burin/base/median.h"
 #include "burin/calib/light/lamp_colors.h"
 #include "burin/capture/bracket_response.h"
 #include "burin/capture/green_sites.h"
 #include "burin/capture/tags/edge_sharpening.h"
-#include "burin/base/error.h"
-#include "burin/base/files/decimals.h"
-#include "burin/base/median.h"
 
 namespace burin {
 namespace {

@@ -11,10 +11,10 @@
 #include <span>
 #include <vector>
 
+#include "burin/base/finding.h"
 #include "burin/capture/photo.h"
 #include "burin/capture/session.h"
 #include "burin/capture/tags/tag_detector.h"
-#include "burin/base/finding.h"
 #include "burin/scene/sensor.h"
 
 namespace burin {

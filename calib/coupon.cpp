@@ -7,6 +7,9 @@
 #include <optional>
 #include <utility>
 
+#include "burin/base/degrees.h"
+#include "burin/base/error.h"
+#include "burin/base/files/decimals.h"
 #include "burin/calib/light/light_samples.h"
 #include "burin/calib/photo/bench_unknowns.h"
 #include "burin/calib/photo/coupon_fit.h"
@@ -14,9 +17,6 @@
 #include "burin/calib/refine.h"
 #include "burin/calib/verdict/camera_place.h"
 #include "burin/calib/verdict/refine_result.h"
-#include "burin/base/degrees.h"
-#include "burin/base/error.h"
-#include "burin/base/files/decimals.h"
 #include "burin/scene/groove.h"
 #include "burin/scene/parameter_name.h"
 

@@ -14,13 +14,13 @@
 #include <span>
 #include <vector>
 
+#include "burin/base/progress.h"
 #include "burin/calib/verdict/coupon_statistics.h"
 #include "burin/calib/verdict/refinement.h"
 #include "burin/capture/photo.h"
 #include "burin/scene/bench.h"
 #include "burin/scene/board.h"
 #include "burin/scene/coupon.h"
-#include "burin/base/progress.h"
 #include "burin/scene/scratches.h"
 #include "burin/scene/verdict.h"
 

@@ -8,12 +8,12 @@
 #include <set>
 #include <sstream>
 
+#include "burin/base/error.h"
+#include "burin/base/files/decimals.h"
 #include "burin/calib/photo/bench_unknowns.h"
 #include "burin/calib/photo/glare_fit.h"
 #include "burin/calib/photo/photo_problem.h"
 #include "burin/calib/verdict/refine_result.h"
-#include "burin/base/error.h"
-#include "burin/base/files/decimals.h"
 
 namespace burin {
 namespace {

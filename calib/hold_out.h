@@ -10,12 +10,12 @@
 #include <string>
 #include <vector>
 
+#include "burin/base/progress.h"
 #include "burin/calib/geometry/board_solver.h"
 #include "burin/calib/refine.h"
 #include "burin/capture/photo.h"
 #include "burin/scene/board.h"
 #include "burin/scene/carve.h"
-#include "burin/base/progress.h"
 
 namespace burin {
 

@@ -7,16 +7,16 @@
 #include <set>
 #include <utility>
 
+#include "burin/base/error.h"
+#include "burin/base/files/decimals.h"
+#include "burin/base/median.h"
 #include "burin/calib/camera_look.h"
 #include "burin/calib/geometry/board_solver.h"
 #include "burin/calib/light/probe/fill_unseen.h"
 #include "burin/calib/light/probe/find_ball.h"
 #include "burin/calib/light/probe/probe_panorama.h"
 #include "burin/calib/light/probe/probe_photos.h"
-#include "burin/base/error.h"
 #include "burin/scene/far_light.h"
-#include "burin/base/files/decimals.h"
-#include "burin/base/median.h"
 
 namespace burin {
 namespace {

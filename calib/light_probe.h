@@ -12,14 +12,14 @@
 #include <string>
 #include <vector>
 
+#include "burin/base/finding.h"
+#include "burin/base/image.h"
+#include "burin/base/progress.h"
 #include "burin/calib/light/probe/mirror_ball.h"
 #include "burin/calib/light/probe/seen.h"
 #include "burin/capture/session.h"
 #include "burin/scene/bench.h"
 #include "burin/scene/board.h"
-#include "burin/base/finding.h"
-#include "burin/base/image.h"
-#include "burin/base/progress.h"
 
 namespace burin {
 

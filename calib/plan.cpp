@@ -11,6 +11,9 @@
 #include <span>
 #include <string_view>
 
+#include "burin/base/error.h"
+#include "burin/base/files/decimals.h"
+#include "burin/base/median.h"
 #include "burin/calib/geometry/information.h"
 #include "burin/calib/photo/bench_unknowns.h"
 #include "burin/calib/photo/machine_map.h"
@@ -18,9 +21,6 @@
 #include "burin/calib/verdict/half_samples.h"
 #include "burin/calib/verdict/planned_tags.h"
 #include "burin/scene/board_face.h"
-#include "burin/base/error.h"
-#include "burin/base/files/decimals.h"
-#include "burin/base/median.h"
 #include "burin/scene/parameter_name.h"
 
 namespace burin {

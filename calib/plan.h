@@ -14,11 +14,11 @@
 #include <string>
 #include <vector>
 
+#include "burin/base/progress.h"
 #include "burin/calib/verdict/camera_place.h"
 #include "burin/scene/bench.h"
 #include "burin/scene/board.h"
 #include "burin/scene/carve.h"
-#include "burin/base/progress.h"
 #include "burin/scene/verdict.h"
 
 namespace burin {

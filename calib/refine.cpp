@@ -7,6 +7,9 @@
 #include <string>
 #include <utility>
 
+#include "burin/base/error.h"
+#include "burin/base/files/decimals.h"
+#include "burin/base/median.h"
 #include "burin/calib/light/lamp.h"
 #include "burin/calib/light/lamp_model.h"
 #include "burin/calib/light/light_samples.h"
@@ -35,9 +38,6 @@
 #include "burin/calib/verdict/photo_uncertainty.h"
 #include "burin/calib/verdict/refine_result.h"
 #include "burin/scene/board_face.h"
-#include "burin/base/error.h"
-#include "burin/base/files/decimals.h"
-#include "burin/base/median.h"
 #include "burin/scene/parameter_name.h"
 
 namespace burin {

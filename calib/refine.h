@@ -25,13 +25,13 @@
 #include <span>
 #include <vector>
 
+#include "burin/base/progress.h"
 #include "burin/calib/verdict/refinement.h"
 #include "burin/capture/photo.h"
 #include "burin/capture/session.h"
 #include "burin/scene/bench.h"
 #include "burin/scene/board.h"
 #include "burin/scene/carve.h"
-#include "burin/base/progress.h"
 
 namespace burin {
 

@@ -16,10 +16,10 @@
 #include <utility>
 #include <vector>
 
-#include "burin/capture/photo.h"
 #include "burin/base/error.h"
 #include "burin/base/files/decimals.h"
 #include "burin/base/median.h"
+#include "burin/capture/photo.h"
 
 namespace burin {
 namespace {

@@ -16,8 +16,8 @@
 #include <string>
 #include <vector>
 
-#include "burin/capture/session.h"
 #include "burin/base/finding.h"
+#include "burin/capture/session.h"
 #include "burin/scene/response.h"
 
 namespace burin {

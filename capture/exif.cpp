@@ -11,13 +11,13 @@
 #include <string_view>
 
 #include "burin/base/error.h"
-#include "burin/pictures/file_colors.h"
 #include "burin/base/files/file_names.h"
 #include "burin/base/files/input_file.h"
-#include "burin/pictures/picture_file.h"
 #include "burin/base/files/printable.h"
 #include "burin/base/files/table.h"
 #include "burin/base/limits.h"
+#include "burin/pictures/file_colors.h"
+#include "burin/pictures/picture_file.h"
 
 namespace burin {
 namespace {

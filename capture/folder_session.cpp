@@ -9,16 +9,16 @@
 #include <optional>
 #include <utility>
 
-#include "burin/capture/photo_memory.h"
-#include "burin/capture/preflight.h"
-#include "burin/capture/same_shot.h"
-#include "burin/scene/board.h"
 #include "burin/base/error.h"
 #include "burin/base/files/decimals.h"
 #include "burin/base/files/input_file.h"
 #include "burin/base/files/json_file.h"
 #include "burin/base/limits.h"
 #include "burin/base/median.h"
+#include "burin/capture/photo_memory.h"
+#include "burin/capture/preflight.h"
+#include "burin/capture/same_shot.h"
+#include "burin/scene/board.h"
 
 namespace burin {
 namespace {

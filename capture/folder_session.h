@@ -13,11 +13,11 @@
 #include <string>
 #include <vector>
 
+#include "burin/base/finding.h"
+#include "burin/base/progress.h"
 #include "burin/capture/photo_look.h"
 #include "burin/capture/photo_source.h"
 #include "burin/capture/session.h"
-#include "burin/base/finding.h"
-#include "burin/base/progress.h"
 
 namespace burin {
 

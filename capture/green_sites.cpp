@@ -8,8 +8,8 @@
 #include <cstddef>
 #include <vector>
 
-#include "burin/capture/photo.h"
 #include "burin/base/median.h"
+#include "burin/capture/photo.h"
 
 namespace burin {
 namespace {

@@ -7,10 +7,10 @@
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "burin/base/median.h"
 #include "burin/capture/exif.h"
 #include "burin/capture/photo.h"
 #include "burin/capture/tags/tag_look.h"
-#include "burin/base/median.h"
 
 namespace burin {
 namespace {

@@ -13,11 +13,11 @@
 #include <span>
 #include <vector>
 
+#include "burin/base/finding.h"
 #include "burin/capture/exif.h"
 #include "burin/capture/photo_look.h"
 #include "burin/capture/tags/board_pose.h"
 #include "burin/scene/board.h"
-#include "burin/base/finding.h"
 #include "burin/scene/lens.h"
 
 namespace burin {

@@ -1,7 +1,7 @@
 // burin/capture/lamp_folders.h - which lamp was on in which photo, by the folders that photos lie in: photos/red/ holds
 // those under the lamp "red" alone. Photos themselves do not tell.
 //
-// A folder is a lamp's where its name is the lamp's, or the lamp's as a name of files (render/files/file_names.h), in
+// A folder is a lamp's where its name is the lamp's, or the lamp's as a name of files (base/files/file_names.h), in
 // capitals or small letters.
 #pragma once
 

@@ -12,13 +12,13 @@
 #include <memory>
 #include <utility>
 
-#include "burin/capture/photo_memory.h"
 #include "burin/base/error.h"
-#include "burin/pictures/file_colors.h"
 #include "burin/base/files/input_file.h"
-#include "burin/pictures/picture_file.h"
-#include "burin/scene/glare.h"
 #include "burin/base/limits.h"
+#include "burin/capture/glare.h"
+#include "burin/capture/photo_memory.h"
+#include "burin/pictures/file_colors.h"
+#include "burin/pictures/picture_file.h"
 
 namespace burin {
 namespace {

@@ -10,11 +10,11 @@
 #include <string>
 #include <vector>
 
+#include "burin/base/image.h"
 #include "burin/capture/linear_photo.h"
 #include "burin/capture/noise.h"
 #include "burin/capture/session.h"
 #include "burin/scene/footprint_grid.h"
-#include "burin/base/image.h"
 
 namespace burin {
 

@@ -5,8 +5,8 @@
 #include <map>
 #include <string>
 
-#include "burin/capture/judge_photo.h"
 #include "burin/base/median.h"
+#include "burin/capture/judge_photo.h"
 
 namespace burin {
 namespace {

@@ -8,11 +8,11 @@
 #include <string>
 #include <utility>
 
+#include "burin/base/median.h"
 #include "burin/capture/noise.h"
 #include "burin/capture/photo.h"
 #include "burin/capture/tags/tag_detector.h"
 #include "burin/capture/tags/tag_look.h"
-#include "burin/base/median.h"
 
 namespace burin {
 namespace {

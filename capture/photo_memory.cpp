@@ -5,8 +5,8 @@
 
 #include "burin/base/error.h"
 #include "burin/base/files/input_file.h"
-#include "burin/pictures/picture_header.h"
 #include "burin/base/limits.h"
+#include "burin/pictures/picture_header.h"
 
 namespace burin {
 

@@ -6,11 +6,11 @@
 #include <string_view>
 #include <utility>
 
-#include "burin/capture/same_shot.h"
 #include "burin/base/error.h"
 #include "burin/base/files/input_file.h"
 #include "burin/base/files/printable.h"
 #include "burin/base/limits.h"
+#include "burin/capture/same_shot.h"
 
 namespace burin {
 namespace {

@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
+#include "burin/base/finding.h"
 #include "burin/capture/incoming_photo.h"
 #include "burin/capture/lamp_folders.h"
-#include "burin/base/finding.h"
 
 namespace burin {
 

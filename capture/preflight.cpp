@@ -8,13 +8,13 @@
 #include <string>
 #include <tuple>
 
+#include "burin/base/error.h"
+#include "burin/base/files/decimals.h"
+#include "burin/base/median.h"
 #include "burin/capture/photo.h"
 #include "burin/capture/photo_memory.h"
 #include "burin/capture/tags/tag_coverage.h"
 #include "burin/scene/board.h"
-#include "burin/base/error.h"
-#include "burin/base/files/decimals.h"
-#include "burin/base/median.h"
 
 namespace burin {
 namespace {

@@ -12,11 +12,11 @@
 #include <span>
 #include <vector>
 
+#include "burin/base/finding.h"
+#include "burin/base/progress.h"
 #include "burin/capture/exif.h"
 #include "burin/capture/photo_look.h"
 #include "burin/capture/session.h"
-#include "burin/base/finding.h"
-#include "burin/base/progress.h"
 
 namespace burin {
 

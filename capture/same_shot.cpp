@@ -8,11 +8,11 @@
 #include <string>
 #include <tuple>
 
-#include "burin/capture/photo.h"
 #include "burin/base/error.h"
 #include "burin/base/files/decimals.h"
 #include "burin/base/files/input_file.h"
 #include "burin/base/limits.h"
+#include "burin/capture/photo.h"
 
 namespace burin {
 namespace {

@@ -13,11 +13,11 @@
 #include <utility>
 #include <vector>
 
+#include "burin/base/finding.h"
 #include "burin/capture/exif.h"
 #include "burin/capture/incoming_photo.h"
 #include "burin/capture/photo_look.h"
 #include "burin/capture/session.h"
-#include "burin/base/finding.h"
 
 namespace burin {
 

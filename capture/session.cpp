@@ -6,10 +6,10 @@
 #include <utility>
 
 #include "burin/base/error.h"
-#include "burin/scene/files/camera_effects_json.h"
 #include "burin/base/files/input_file.h"
 #include "burin/base/files/json_file.h"
 #include "burin/base/limits.h"
+#include "burin/scene/files/camera_effects_json.h"
 
 namespace burin {
 namespace {

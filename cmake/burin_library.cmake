@@ -16,7 +16,7 @@ file(CREATE_LINK ${PROJECT_SOURCE_DIR} ${burin_include_dir}/burin SYMBOLIC)
 #               PUBLIC_HEADERS <what users of the library include, and what is installed>)
 #
 # Makes the library `burin_<room>` (exported as burin::<room>) from every .cpp file in and below the current folder.
-# The `coverage` preset counts lines of the rooms in BURIN_COUNTED_ROOMS, all four where it is empty; the others run at full speed.
+# The `coverage` preset counts lines of the rooms in BURIN_COUNTED_ROOMS, all where it is empty; the others run at full speed.
 # Headers are included as "burin/room/header.h" here, and as <burin/room/header.h> where Burin is installed. All headers that
 # are not among PUBLIC_HEADERS are the house's own business.
 function(burin_library room)
@@ -67,7 +67,7 @@ function(burin_check_public_headers)
     set_property(DIRECTORY ${PROJECT_SOURCE_DIR} APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${header})
   endforeach()
   list(JOIN headers "\n" lines)
-  file(WRITE ${PROJECT_BINARY_DIR}/public_headers.txt "${lines}\n")  # for tools/api-docs
+  file(WRITE ${PROJECT_BINARY_DIR}/public_headers.txt "${lines}\n")  # for scripts/api-docs
 endfunction()
 
 # The target `check_private_headers` compiles every other header alone. (CMake's header sets do so for public ones: the target

@@ -2,7 +2,7 @@
 # libraries, their public headers (PUBLIC_HEADERS in each room's CMakeLists.txt), the program with its manual pages and completion, and
 # under share/ the sample, the examples and the documents.
 include(CMakePackageConfigHelpers)
-set(burin_rooms render capture calib optimize)
+set(burin_rooms base pictures scene render capture simulate calib optimize)
 list(TRANSFORM burin_rooms PREPEND burin_ OUTPUT_VARIABLE burin_targets)
 install(TARGETS ${burin_targets} EXPORT burinTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
         LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}

@@ -1,10 +1,10 @@
 // Photos of a board become a calibrated bench: lens, camera places and lamp, each with its uncertainty. The photos are
 // simulated here, so that the truth is known: 02-calibrate-session truth.json FOLDER
 // Ends with 0 if cameras and lamp are where they were.
+#include <burin/base/error.h>
 #include <burin/calib/calibrate.h>
 #include <burin/capture/folder_session.h>
 #include <burin/simulate/simulated_camera.h>
-#include <burin/base/error.h>
 
 #include <algorithm>
 #include <cstdio>

@@ -9,12 +9,12 @@
 // board, mm. Same seed, same bits, for any number of threads. Sources: docs/model.md 6.
 #pragma once
 
+#include "burin/base/progress.h"
 #include "burin/optimize/design_file.h"
 #include "burin/optimize/design_options.h"
 #include "burin/optimize/design_result.h"
 #include "burin/scene/bench.h"
 #include "burin/scene/board.h"
-#include "burin/base/progress.h"
 
 namespace burin {
 

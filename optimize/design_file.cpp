@@ -3,10 +3,11 @@
 #include <algorithm>
 #include <set>
 
-#include "burin/optimize/white.h"
-#include "burin/scene/bench.h"
 #include "burin/base/error.h"
 #include "burin/base/files/json_file.h"
+#include "burin/optimize/white.h"
+#include "burin/pictures/picture.h"
+#include "burin/scene/bench.h"
 
 namespace burin {
 namespace {

@@ -7,10 +7,10 @@
 #include <optional>
 #include <vector>
 
-#include "burin/optimize/loss/loss.h"
-#include "burin/optimize/machine_profile.h"
 #include "burin/base/finding.h"
 #include "burin/base/image.h"
+#include "burin/optimize/loss/loss.h"
+#include "burin/optimize/machine_profile.h"
 #include "burin/scene/scratches.h"
 
 namespace burin {

@@ -8,12 +8,12 @@
 #include <string>
 #include <vector>
 
-#include "burin/optimize/toolpath/carving_limits.h"
+#include "burin/base/finding.h"
+#include "burin/base/image.h"
 #include "burin/optimize/design/tolerance.h"
 #include "burin/optimize/loss/color_metrics.h"
 #include "burin/optimize/loss/loss.h"
-#include "burin/base/finding.h"
-#include "burin/base/image.h"
+#include "burin/optimize/toolpath/carving_limits.h"
 #include "burin/scene/scratches.h"
 
 namespace burin {

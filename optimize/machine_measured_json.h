@@ -1,8 +1,8 @@
 // burin/optimize/machine_measured_json.h - MachineMeasured as JSON. Include it in .cpp files only.
 #pragma once
 
-#include "burin/optimize/machine_measured.h"
 #include "burin/base/files/json_file.h"
+#include "burin/optimize/machine_measured.h"
 
 namespace burin {
 

@@ -4,11 +4,11 @@
 #include <array>
 #include <cmath>
 
-#include "burin/optimize/toolpath/toml_file.h"
-#include "burin/optimize/machine_measured_json.h"
 #include "burin/base/error.h"
 #include "burin/base/files/decimals.h"
 #include "burin/base/files/json_file.h"
+#include "burin/optimize/machine_measured_json.h"
+#include "burin/optimize/toolpath/toml_file.h"
 #include "burin/scene/physical_bounds.h"
 
 namespace burin {

@@ -13,10 +13,10 @@
 #include <string>
 #include <vector>
 
-#include "burin/optimize/design_file.h"
-#include "burin/scene/bench.h"
 #include "burin/base/finding.h"
 #include "burin/base/image.h"
+#include "burin/optimize/design_file.h"
+#include "burin/scene/bench.h"
 
 namespace burin {
 

@@ -8,15 +8,15 @@
 #include <string_view>
 #include <system_error>
 
-#include "burin/optimize/toolpath/gcode_line.h"
-#include "burin/optimize/toolpath/release_check.h"
-#include "burin/optimize/toolpath/sheet.h"
-#include "burin/optimize/toolpath/toolpath_check.h"
 #include "burin/base/error.h"
 #include "burin/base/files/file_names.h"
 #include "burin/base/files/files_together.h"
 #include "burin/base/files/input_file.h"
 #include "burin/base/files/json_file.h"
+#include "burin/optimize/toolpath/gcode_line.h"
+#include "burin/optimize/toolpath/release_check.h"
+#include "burin/optimize/toolpath/sheet.h"
+#include "burin/optimize/toolpath/toolpath_check.h"
 #include "burin/scene/parameter_name.h"
 
 namespace burin {

@@ -13,10 +13,10 @@
 #include <filesystem>
 #include <vector>
 
+#include "burin/base/finding.h"
 #include "burin/optimize/toolpath/drawing.h"
 #include "burin/optimize/toolpath/gcode.h"
 #include "burin/optimize/toolpath/toolpath_plan.h"
-#include "burin/base/finding.h"
 
 namespace burin {
 

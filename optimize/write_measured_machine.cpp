@@ -2,12 +2,12 @@
 
 #include <system_error>
 
-#include "burin/optimize/toolpath/toml_file.h"
-#include "burin/optimize/machine_measured_json.h"
-#include "burin/optimize/machine_profile.h"
 #include "burin/base/error.h"
 #include "burin/base/files/files_together.h"
 #include "burin/base/files/named_paths.h"
+#include "burin/optimize/machine_measured_json.h"
+#include "burin/optimize/machine_profile.h"
+#include "burin/optimize/toolpath/toml_file.h"
 
 namespace burin {
 namespace {

@@ -6,10 +6,11 @@
 #include <string_view>
 
 #include "burin/base/error.h"
-#include "burin/pictures/heif_picture.h"
 #include "burin/base/files/input_file.h"
-#include "burin/pictures/jpeg_picture.h"
 #include "burin/base/limits.h"
+#include "burin/base/threads.h"
+#include "burin/pictures/heif_picture.h"
+#include "burin/pictures/jpeg_picture.h"
 
 namespace burin {
 namespace {
@@ -39,6 +40,7 @@ std::unique_ptr<OIIO::ImageInput> opened(const std::string& kind, const fs::path
   std::unique_ptr<OIIO::ImageInput> input = kind == "heif"   ? make_heif_input(as_the_sensor)
                                             : kind == "jpeg" ? make_jpeg_input()
                                                              : OIIO::ImageInput::create(kind);
+  OIIO::attribute("threads", thread_count());
   OIIO::ImageSpec spec;
   if (input && input->open(file.string(), spec, config)) {
     input->geterror();  // it could go on
@@ -49,18 +51,6 @@ std::unique_ptr<OIIO::ImageInput> opened(const std::string& kind, const fs::path
 }
 
 }  // namespace
-
-void require_picture_size(std::int64_t width, std::int64_t height, std::int64_t most, const std::string& where,
-                          const std::string& kind, std::int64_t most_side) {
-  const bool too_wide = std::max(width, height) > most_side;
-  if (!too_wide && width * height <= most) return;
-  fail(where,
-       "is of " + with_commas(static_cast<std::uintmax_t>(width)) + " x " +
-           with_commas(static_cast<std::uintmax_t>(height)) + " pixels, more than " +
-           (too_wide ? with_commas(static_cast<std::uintmax_t>(most_side)) + " on a side"
-                     : "the " + with_commas(static_cast<std::uintmax_t>(most)) + " that Burin takes of " + kind),
-       "make it smaller with another program (docs/limits.md)");
-}
 
 std::unique_ptr<OIIO::ImageInput> open_picture(const fs::path& file, const PictureLimits& limits,
                                                const OIIO::ImageSpec& config) {

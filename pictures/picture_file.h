@@ -11,8 +11,8 @@
 #include <string>
 #include <vector>
 
-#include "burin/pictures/picture_header.h"
 #include "burin/base/limits.h"
+#include "burin/pictures/picture_header.h"
 
 namespace burin {
 
@@ -38,9 +38,5 @@ void require_whole(const OIIO::ImageInput& input, const std::filesystem::path& f
 /// same.
 void require_read(bool read, const OIIO::ImageInput& input, const std::filesystem::path& file,
                   const std::string& remedy);
-
-/// Throws Error unless width x height is a picture of at most `most` pixels, its sides within `most_side`.
-void require_picture_size(std::int64_t width, std::int64_t height, std::int64_t most, const std::string& where,
-                          const std::string& kind, std::int64_t most_side = limit::kPictureSide);
 
 }  // namespace burin

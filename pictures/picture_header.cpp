@@ -14,11 +14,11 @@
 
 #include "burin/base/error.h"
 #include "burin/base/files/file_names.h"
-#include "burin/pictures/heif_boxes.h"
 #include "burin/base/files/input_file.h"
+#include "burin/base/limits.h"
+#include "burin/pictures/heif_boxes.h"
 #include "burin/pictures/picture_bytes.h"
 #include "burin/pictures/tiff_directory.h"
-#include "burin/base/limits.h"
 
 namespace burin {
 namespace {

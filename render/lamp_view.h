@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "burin/base/image.h"
+#include "burin/render/view_scene.h"
 #include "burin/scene/scratch_gradients.h"
 #include "burin/scene/scratches.h"
-#include "burin/render/view_scene.h"
 
 namespace burin {
 

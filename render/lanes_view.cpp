@@ -14,8 +14,8 @@
 #include <utility>
 
 #include "burin/base/error.h"
-#include "burin/render/exact/exact_view.h"
 #include "burin/base/machine_clones.h"
+#include "burin/render/exact/exact_view.h"
 #include "burin/scene/groove_profile.h"
 #include "burin/scene/lamp_size.h"
 

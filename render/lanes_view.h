@@ -14,13 +14,13 @@
 #include <memory>
 #include <vector>
 
-#include "burin/scene/crossings.h"
-#include "burin/render/groove_sums.h"
 #include "burin/base/image.h"
+#include "burin/render/groove_sums.h"
 #include "burin/render/pixel_shading.h"
+#include "burin/render/view_scene.h"
+#include "burin/scene/crossings.h"
 #include "burin/scene/scratch_gradients.h"
 #include "burin/scene/scratches.h"
-#include "burin/render/view_scene.h"
 
 namespace burin {
 

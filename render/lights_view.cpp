@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "burin/scene/far_light.h"
 #include "burin/render/scene_parts.h"
+#include "burin/scene/far_light.h"
 
 namespace burin {
 namespace {

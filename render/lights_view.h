@@ -8,10 +8,10 @@
 
 #include "burin/base/image.h"
 #include "burin/render/lamp_view.h"
-#include "burin/scene/scratch_gradients.h"
-#include "burin/scene/scratches.h"
 #include "burin/render/surroundings/surroundings_view.h"
 #include "burin/render/view_scene.h"
+#include "burin/scene/scratch_gradients.h"
+#include "burin/scene/scratches.h"
 
 namespace burin {
 

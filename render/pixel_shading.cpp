@@ -4,8 +4,8 @@
 #include <numbers>
 #include <string>
 
-#include "burin/render/brdf.h"
 #include "burin/base/error.h"
+#include "burin/render/brdf.h"
 
 namespace burin {
 

@@ -7,18 +7,9 @@
 
 #include "burin/scene/bench.h"
 #include "burin/scene/board.h"
+#include "burin/scene/surface.h"
 
 namespace burin {
-
-/// The rotation that takes the face's normal to z by the shortest way. In the frame it leads to (`face`), grooves lie
-/// as they do on a flat board, so a scratch's direction in board xy serves a bowed or bent face too
-/// (docs/model.md 1.1).
-inline Eigen::Matrix3d R_face_board(const Eigen::Vector3d& normal) {
-  const Eigen::Vector3d m = normal + Eigen::Vector3d::UnitZ();
-  Eigen::Matrix3d R = Eigen::Matrix3d::Identity() - m * m.transpose() / (1 + normal.z());
-  R.row(2) += 2 * normal.transpose();
-  return R;
-}
 
 /// radiance_c = F_c(cos_ho) intensity_c direct [ sum Dhat G / area + (1 - covered) base ] + ambient_c F0_c
 struct PixelShading {

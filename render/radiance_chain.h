@@ -9,11 +9,11 @@
 #include <array>
 #include <optional>
 
-#include "burin/scene/bend.h"
 #include "burin/render/groove_sums.h"
 #include "burin/render/pixel_shading.h"
 #include "burin/render/view_renderer.h"
 #include "burin/render/view_scene.h"
+#include "burin/scene/bend.h"
 
 namespace burin {
 

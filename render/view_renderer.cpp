@@ -3,13 +3,13 @@
 #include <string>
 #include <utility>
 
-#include "burin/scene/board_face.h"
 #include "burin/base/error.h"
 #include "burin/render/exact/exact_view.h"
 #include "burin/render/fast/pairs.h"
 #include "burin/render/lamp_view.h"
 #include "burin/render/lanes_view.h"
 #include "burin/render/lights_view.h"
+#include "burin/scene/board_face.h"
 
 namespace burin {
 

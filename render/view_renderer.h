@@ -8,12 +8,12 @@
 #include <span>
 #include <vector>
 
+#include "burin/base/image.h"
+#include "burin/render/view_scene.h"
 #include "burin/scene/bench.h"
 #include "burin/scene/carve.h"
 #include "burin/scene/footprint_grid.h"
-#include "burin/base/image.h"
 #include "burin/scene/scratch_gradients.h"
-#include "burin/render/view_scene.h"
 
 namespace burin {
 

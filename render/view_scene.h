@@ -8,10 +8,10 @@
 #include <memory>
 #include <vector>
 
+#include "burin/base/simd_width.h"
 #include "burin/scene/footprint_grid.h"
 #include "burin/scene/light.h"
 #include "burin/scene/material.h"
-#include "burin/base/simd_width.h"
 
 namespace burin {
 

@@ -8,14 +8,15 @@
 #include <vector>
 
 #include "burin/base/error.h"
-#include "burin/scene/files/bend_json.h"
-#include "burin/scene/files/camera_effects_json.h"
-#include "burin/scene/files/camera_json.h"
 #include "burin/base/files/decimals.h"
-#include "burin/scene/files/far_light_json.h"
 #include "burin/base/files/files_together.h"
 #include "burin/base/files/input_file.h"
 #include "burin/base/files/json_file.h"
+#include "burin/base/limits.h"
+#include "burin/scene/files/bend_json.h"
+#include "burin/scene/files/camera_effects_json.h"
+#include "burin/scene/files/camera_json.h"
+#include "burin/scene/files/far_light_json.h"
 #include "burin/scene/files/lamp_size_json.h"
 #include "burin/scene/files/machine_json.h"
 #include "burin/scene/files/material_json.h"
@@ -23,7 +24,6 @@
 #include "burin/scene/files/profile_json.h"
 #include "burin/scene/files/verdict_json.h"
 #include "burin/scene/groove.h"
-#include "burin/base/limits.h"
 #include "burin/scene/physical_bounds.h"
 
 namespace burin {

@@ -10,9 +10,9 @@
 #include <string_view>
 #include <vector>
 
+#include "burin/base/finding.h"
 #include "burin/scene/board.h"
 #include "burin/scene/crossings.h"
-#include "burin/base/finding.h"
 #include "burin/scene/groove_field.h"
 #include "burin/scene/lens.h"
 #include "burin/scene/light.h"

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "burin/base/error.h"
-#include "burin/scene/files/camera_json.h"
 #include "burin/base/files/decimals.h"
+#include "burin/scene/files/camera_json.h"
 #include "burin/scene/lens.h"
 #include "burin/scene/parameter_name.h"
 

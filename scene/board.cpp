@@ -6,12 +6,12 @@
 #include <set>
 
 #include "burin/base/error.h"
-#include "burin/scene/files/bend_json.h"
 #include "burin/base/files/input_file.h"
 #include "burin/base/files/json_file.h"
+#include "burin/base/limits.h"
+#include "burin/scene/files/bend_json.h"
 #include "burin/scene/files/material_json.h"
 #include "burin/scene/files/profile_json.h"
-#include "burin/base/limits.h"
 #include "burin/scene/physical_bounds.h"
 
 namespace burin {

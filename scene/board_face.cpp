@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "burin/scene/board_mesh.h"
-#include "burin/render/pixel_shading.h"
+#include "burin/scene/surface.h"
 
 namespace burin {
 

@@ -10,10 +10,10 @@
 #include <string>
 #include <string_view>
 
-#include "burin/scene/embree_rays.h"
 #include "burin/base/error.h"
 #include "burin/base/files/input_file.h"
 #include "burin/base/limits.h"
+#include "burin/scene/embree_rays.h"
 
 namespace burin {
 namespace {

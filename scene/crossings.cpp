@@ -14,8 +14,8 @@
 #include <utility>
 
 #include "burin/base/error.h"
-#include "burin/scene/groove.h"
 #include "burin/base/limits.h"
+#include "burin/scene/groove.h"
 #include "burin/scene/line_cuts.h"
 
 namespace burin {

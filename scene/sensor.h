@@ -12,12 +12,18 @@
 #include <string>
 #include <vector>
 
-#include "burin/scene/blur.h"
-#include "burin/scene/glare.h"
 #include "burin/base/image.h"
+#include "burin/scene/blur.h"
 #include "burin/scene/response.h"
 
 namespace burin {
+
+/// Light that a lens scatters far over the picture: seen = (1 - share) x + share K x (burin/capture/glare.h).
+/// Share 0: none. Lengths in the photo's own pixels.
+struct Glare {
+  double share = 0;
+  double core_px = 4, reach_px = 500;
+};
 
 /// What a camera makes of radiance, before noise: docs/model.md 5.
 struct Sensor {

@@ -42,6 +42,16 @@ inline Eigen::Vector3d face_normal(const Surface& s, double x_mm, double y_mm) {
   return Eigen::Vector3d(-dz_dx, -dz_dy, 1).normalized();
 }
 
+/// The rotation that takes the face's normal to z by the shortest way. In the frame it leads to (`face`), grooves lie
+/// as they do on a flat board, so a scratch's direction in board xy serves a bowed or bent face too
+/// (docs/model.md 1.1).
+inline Eigen::Matrix3d R_face_board(const Eigen::Vector3d& normal) {
+  const Eigen::Vector3d m = normal + Eigen::Vector3d::UnitZ();
+  Eigen::Matrix3d R = Eigen::Matrix3d::Identity() - m * m.transpose() / (1 + normal.z());
+  R.row(2) += 2 * normal.transpose();
+  return R;
+}
+
 /// A place above the face by `z_mm` along its normal: a tag's paper. Over a face that is not bent, along z.
 inline Eigen::Vector3d above_face(const Surface& s, double x_mm, double y_mm, double z_mm) {
   if (s.bend) {

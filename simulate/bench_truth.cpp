@@ -7,16 +7,16 @@
 #include <utility>
 
 #include "burin/base/error.h"
+#include "burin/base/files/input_file.h"
+#include "burin/base/files/json_file.h"
+#include "burin/base/image.h"
+#include "burin/base/limits.h"
 #include "burin/scene/files/bend_json.h"
 #include "burin/scene/files/camera_json.h"
 #include "burin/scene/files/far_light_json.h"
-#include "burin/base/files/input_file.h"
-#include "burin/base/files/json_file.h"
 #include "burin/scene/files/lamp_size_json.h"
 #include "burin/scene/files/machine_json.h"
-#include "burin/pictures/picture_file.h"
 #include "burin/scene/files/profile_json.h"
-#include "burin/base/limits.h"
 #include "burin/scene/physical_bounds.h"
 
 namespace burin {

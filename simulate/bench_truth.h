@@ -42,12 +42,12 @@
 #include <vector>
 
 #include "burin/capture/session.h"
-#include "burin/simulate/camera_truth.h"
 #include "burin/scene/bench.h"
 #include "burin/scene/board.h"
 #include "burin/scene/carve.h"
 #include "burin/scene/lens.h"
 #include "burin/scene/surface.h"
+#include "burin/simulate/camera_truth.h"
 
 namespace burin {
 

@@ -19,9 +19,9 @@
 #include <cstdint>
 #include <memory>
 
-#include "burin/simulate/bench_truth.h"
 #include "burin/base/image.h"
 #include "burin/base/progress.h"
+#include "burin/simulate/bench_truth.h"
 
 namespace burin {
 

@@ -14,13 +14,13 @@
 #include <string_view>
 #include <utility>
 
-#include "burin/simulate/point_sampler.h"
 #include "burin/base/error.h"
-#include "burin/pictures/encoded_picture.h"
 #include "burin/base/files/file_names.h"
 #include "burin/base/files/files_together.h"
 #include "burin/base/files/json_file.h"
+#include "burin/pictures/encoded_picture.h"
 #include "burin/scene/sensor.h"
+#include "burin/simulate/point_sampler.h"
 
 namespace burin {
 namespace {

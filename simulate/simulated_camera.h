@@ -12,10 +12,10 @@
 #include <string>
 #include <vector>
 
-#include "burin/simulate/bench_truth.h"
 #include "burin/base/finding.h"
 #include "burin/base/image.h"
 #include "burin/base/progress.h"
+#include "burin/simulate/bench_truth.h"
 
 namespace burin {
 

@@ -9,8 +9,8 @@
 #include <string>
 #include <utility>
 
-#include "burin/capture/tags/tag_family.h"
 #include "burin/base/cell_grid.h"
+#include "burin/capture/tags/tag_family.h"
 
 namespace burin {
 struct ThingsOnBoard::Thing {

@@ -13,9 +13,9 @@
 #include <string>
 #include <vector>
 
+#include "burin/base/image.h"
 #include "burin/capture/tags/tag_family.h"
 #include "burin/scene/board.h"
-#include "burin/base/image.h"
 #include "burin/scene/sensor.h"
 
 namespace burin {

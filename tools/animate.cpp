@@ -15,17 +15,17 @@
 #include <string_view>
 #include <utility>
 
-#include "burin/scene/board_face.h"
 #include "burin/base/error.h"
 #include "burin/base/files/descriptor.h"
-#include "burin/pictures/encoded_bytes.h"
 #include "burin/base/files/file_error.h"
 #include "burin/base/files/files_together.h"
 #include "burin/base/files/json_file.h"
 #include "burin/base/files/write_file.h"
 #include "burin/base/image.h"
-#include "burin/scene/look_at.h"
+#include "burin/pictures/encoded_bytes.h"
 #include "burin/render/view_renderer.h"
+#include "burin/scene/board_face.h"
+#include "burin/scene/look_at.h"
 #include "tools/animated_png.h"
 #include "tools/automatic_exposure.h"
 

@@ -8,10 +8,10 @@
 #include <string>
 #include <vector>
 
+#include "burin/base/progress.h"
 #include "burin/scene/bench.h"
 #include "burin/scene/board.h"
 #include "burin/scene/carve.h"
-#include "burin/base/progress.h"
 
 namespace burin {
 

@@ -4,9 +4,9 @@
 #include <filesystem>
 #include <memory>
 
-#include "burin/calib/calibrate.h"
 #include "burin/base/files/decimals.h"
 #include "burin/base/files/files_together.h"
+#include "burin/calib/calibrate.h"
 #include "tools/commands.h"
 #include "tools/hold_out_file.h"
 #include "tools/kept_memory.h"

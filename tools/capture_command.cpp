@@ -11,10 +11,10 @@
 #include <string_view>
 #include <vector>
 
-#include "burin/capture/folder_session.h"
-#include "burin/scene/bench.h"
 #include "burin/base/error.h"
 #include "burin/base/files/decimals.h"
+#include "burin/capture/folder_session.h"
+#include "burin/scene/bench.h"
 #include "tools/commands.h"
 #include "tools/kept_memory.h"
 #include "tools/loop/round_lamps.h"

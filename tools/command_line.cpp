@@ -17,7 +17,6 @@
 #include <system_error>
 #include <utility>
 
-#include "burin/optimize/duration.h"
 #include "burin/base/error.h"
 #include "burin/base/files/file_error.h"
 #include "burin/base/files/files_together.h"
@@ -25,6 +24,7 @@
 #include "burin/base/files/printable.h"
 #include "burin/base/simd_choice.h"
 #include "burin/base/threads.h"
+#include "burin/optimize/duration.h"
 #include "tools/commands.h"
 #include "tools/output_mode.h"
 #include "tools/standard_streams.h"

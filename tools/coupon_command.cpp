@@ -9,19 +9,19 @@
 #include <string>
 #include <vector>
 
+#include "burin/base/error.h"
+#include "burin/base/files/files_together.h"
+#include "burin/base/files/json_file.h"
 #include "burin/calib/calibrate.h"
 #include "burin/calib/coupon.h"
 #include "burin/calib/refine.h"
 #include "burin/capture/folder_session.h"
 #include "burin/capture/photo.h"
 #include "burin/capture/tags/tag_detector.h"
-#include "burin/optimize/toolpath/coupon.h"
 #include "burin/optimize/duration.h"
 #include "burin/optimize/toolpath.h"
+#include "burin/optimize/toolpath/coupon.h"
 #include "burin/optimize/write_measured_machine.h"
-#include "burin/base/error.h"
-#include "burin/base/files/files_together.h"
-#include "burin/base/files/json_file.h"
 #include "tools/commands.h"
 #include "tools/local_time.h"
 #include "tools/progress_bar.h"

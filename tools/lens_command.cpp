@@ -10,13 +10,14 @@
 #include <utility>
 #include <vector>
 
-#include "burin/calib/geometry/chessboard.h"
-#include "burin/calib/geometry/lens_solver.h"
 #include "burin/base/files/decimals.h"
 #include "burin/base/files/files_together.h"
 #include "burin/base/files/json_file.h"
 #include "burin/base/image.h"
 #include "burin/base/median.h"
+#include "burin/calib/geometry/chessboard.h"
+#include "burin/calib/geometry/lens_solver.h"
+#include "burin/pictures/picture.h"
 #include "tools/commands.h"
 #include "tools/progress_bar.h"
 #include "tools/work_lock.h"

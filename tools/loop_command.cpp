@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "burin/optimize/machine_profile.h"
 #include "burin/base/error.h"
 #include "burin/base/files/json_file.h"
+#include "burin/optimize/machine_profile.h"
 #include "tools/commands.h"
 #include "tools/loop/options.h"
 #include "tools/loop/round_design.h"

@@ -15,11 +15,11 @@
 #include <string>
 #include <vector>
 
+#include "burin/base/finding.h"
 #include "burin/optimize/design/tolerance.h"
 #include "burin/optimize/design_file.h"
 #include "burin/scene/bench.h"
 #include "burin/scene/board.h"
-#include "burin/base/finding.h"
 
 namespace burin {
 

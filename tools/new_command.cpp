@@ -15,14 +15,15 @@
 #include <string>
 #include <vector>
 
-#include "burin/calib/verdict/camera_place.h"
-#include "burin/capture/exif.h"
-#include "burin/optimize/layout/tag_layout.h"
-#include "burin/optimize/machine_profile.h"
 #include "burin/base/error.h"
 #include "burin/base/files/decimals.h"
 #include "burin/base/files/file_error.h"
 #include "burin/base/files/unfinished.h"
+#include "burin/calib/verdict/camera_place.h"
+#include "burin/capture/exif.h"
+#include "burin/optimize/layout/tag_layout.h"
+#include "burin/optimize/machine_profile.h"
+#include "burin/pictures/picture.h"
 #include "tools/commands.h"
 #include "tools/new/ask.h"
 #include "tools/new/lay_out.h"

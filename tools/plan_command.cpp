@@ -9,17 +9,17 @@
 #include <optional>
 #include <utility>
 
-#include "burin/calib/plan.h"
-#include "burin/calib/verdict/planned_tags.h"
-#include "burin/optimize/design/lamp_places.h"
-#include "burin/optimize/design_file.h"
-#include "burin/scene/bench_of_board.h"
-#include "burin/render/brdf.h"
 #include "burin/base/error.h"
 #include "burin/base/files/decimals.h"
 #include "burin/base/files/file_names.h"
 #include "burin/base/files/files_together.h"
 #include "burin/base/files/json_file.h"
+#include "burin/calib/plan.h"
+#include "burin/calib/verdict/planned_tags.h"
+#include "burin/optimize/design/lamp_places.h"
+#include "burin/optimize/design_file.h"
+#include "burin/render/brdf.h"
+#include "burin/scene/bench_of_board.h"
 #include "burin/scene/parameter_name.h"
 #include "tools/commands.h"
 #include "tools/plan_drawing.h"

@@ -6,11 +6,11 @@
 #include <string>
 #include <vector>
 
+#include "burin/base/finding.h"
 #include "burin/calib/plan.h"
 #include "burin/optimize/design_file.h"
 #include "burin/scene/bench.h"
 #include "burin/scene/board.h"
-#include "burin/base/finding.h"
 
 namespace burin {
 

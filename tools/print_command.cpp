@@ -4,10 +4,10 @@
 #include <optional>
 #include <vector>
 
-#include "burin/scene/board.h"
 #include "burin/base/error.h"
 #include "burin/base/files/decimals.h"
 #include "burin/base/files/json_file.h"
+#include "burin/scene/board.h"
 #include "tools/commands.h"
 #include "tools/drawing/pdf.h"
 #include "tools/print/print_pages.h"

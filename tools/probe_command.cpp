@@ -6,14 +6,14 @@
 #include <optional>
 #include <string>
 
-#include "burin/optimize/toolpath/gcode.h"
-#include "burin/optimize/toolpath/probe.h"
-#include "burin/optimize/toolpath/probe_check.h"
-#include "burin/optimize/toolpath/release_check.h"
 #include "burin/base/error.h"
 #include "burin/base/files/decimals.h"
 #include "burin/base/files/json_file.h"
 #include "burin/base/files/write_file.h"
+#include "burin/optimize/toolpath/gcode.h"
+#include "burin/optimize/toolpath/probe.h"
+#include "burin/optimize/toolpath/probe_check.h"
+#include "burin/optimize/toolpath/release_check.h"
 #include "tools/commands.h"
 #include "tools/probe_light_command.h"
 #include "tools/progress_bar.h"

@@ -12,13 +12,14 @@
 #include <utility>
 #include <vector>
 
-#include "burin/calib/light/probe/probe_session.h"
-#include "burin/calib/light_probe.h"
 #include "burin/base/error.h"
 #include "burin/base/files/file_names.h"
 #include "burin/base/files/files_together.h"
 #include "burin/base/image.h"
 #include "burin/base/median.h"
+#include "burin/calib/light/probe/probe_session.h"
+#include "burin/calib/light_probe.h"
+#include "burin/pictures/picture.h"
 #include "tools/commands.h"
 #include "tools/progress_bar.h"
 #include "tools/work_lock.h"

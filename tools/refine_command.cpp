@@ -6,10 +6,10 @@
 #include <memory>
 #include <string>
 
-#include "burin/calib/refine.h"
 #include "burin/base/error.h"
 #include "burin/base/files/decimals.h"
 #include "burin/base/files/files_together.h"
+#include "burin/calib/refine.h"
 #include "burin/scene/groove.h"
 #include "burin/scene/parameter_name.h"
 #include "tools/commands.h"

@@ -9,16 +9,17 @@
 #include <string>
 #include <vector>
 
-#include "burin/scene/bench.h"
-#include "burin/scene/bench_of_board.h"
-#include "burin/scene/carve.h"
 #include "burin/base/error.h"
 #include "burin/base/files/decimals.h"
 #include "burin/base/files/json_file.h"
 #include "burin/base/files/part_file.h"
 #include "burin/base/image.h"
-#include "burin/scene/scratches.h"
+#include "burin/pictures/picture.h"
 #include "burin/render/view_renderer.h"
+#include "burin/scene/bench.h"
+#include "burin/scene/bench_of_board.h"
+#include "burin/scene/carve.h"
+#include "burin/scene/scratches.h"
 #include "tools/animate.h"
 #include "tools/automatic_exposure.h"
 #include "tools/commands.h"

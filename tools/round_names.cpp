@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <set>
 
-#include "burin/capture/session.h"
-#include "burin/scene/bench_of_board.h"
 #include "burin/base/error.h"
 #include "burin/base/files/json_file.h"
+#include "burin/capture/session.h"
+#include "burin/scene/bench_of_board.h"
 
 namespace burin {
 namespace {

@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 
-#include "burin/scene/carve.h"
 #include "burin/base/error.h"
 #include "burin/base/files/decimals.h"
 #include "burin/base/files/json_file.h"
+#include "burin/scene/carve.h"
 #include "tools/commands.h"
 #include "tools/progress_bar.h"
 #include "tools/project_settings.h"

@@ -1,7 +1,7 @@
 #include "tools/wanted_bench.h"
 
-#include "burin/scene/bench_of_board.h"
 #include "burin/base/error.h"
+#include "burin/scene/bench_of_board.h"
 #include "tools/commands.h"
 #include "tools/round_names.h"
 

@@ -12,13 +12,13 @@
 #include <memory>
 #include <thread>
 
+#include "burin/base/error.h"
+#include "burin/base/files/decimals.h"
+#include "burin/base/files/json_file.h"
 #include "burin/capture/exif.h"
 #include "burin/capture/lamp_folders.h"
 #include "burin/capture/photo_look.h"
 #include "burin/capture/same_shot.h"
-#include "burin/base/error.h"
-#include "burin/base/files/decimals.h"
-#include "burin/base/files/json_file.h"
 #include "tools/commands.h"
 #include "tools/content_hash.h"
 #include "tools/project_settings.h"

@@ -7,9 +7,9 @@
 #include <numbers>
 #include <set>
 
-#include "burin/calib/verdict/camera_place.h"
 #include "burin/base/error.h"
 #include "burin/base/median.h"
+#include "burin/calib/verdict/camera_place.h"
 #include "tools/photographed_lamps.h"
 
 namespace burin {

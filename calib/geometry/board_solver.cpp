@@ -8,11 +8,11 @@
 #include <numbers>
 #include <set>
 
-#include "burin/calib/geometry/lens_solver.h"
-#include "burin/calib/geometry/own_focal.h"
 #include "burin/base/error.h"
 #include "burin/base/files/decimals.h"
 #include "burin/base/median.h"
+#include "burin/calib/geometry/lens_solver.h"
+#include "burin/calib/geometry/own_focal.h"
 
 namespace burin {
 namespace {

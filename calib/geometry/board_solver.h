@@ -17,12 +17,12 @@
 #include <string>
 #include <vector>
 
+#include "burin/base/finding.h"
+#include "burin/base/progress.h"
 #include "burin/calib/geometry/bundle.h"
 #include "burin/capture/tags/tag_detector.h"
 #include "burin/scene/bench.h"
 #include "burin/scene/board.h"
-#include "burin/base/finding.h"
-#include "burin/base/progress.h"
 
 namespace burin {
 

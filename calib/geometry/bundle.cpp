@@ -18,9 +18,9 @@ extern "C" {  // mrcal's headers have no guard for C++ of their own
 #include <optional>
 #include <span>
 
-#include "burin/calib/geometry/information.h"
 #include "burin/base/error.h"
 #include "burin/base/median.h"
+#include "burin/calib/geometry/information.h"
 
 namespace burin {
 namespace {

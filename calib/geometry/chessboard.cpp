@@ -15,12 +15,12 @@
 #include <utility>
 #include <vector>
 
-#include "burin/capture/photo.h"
-#include "burin/capture/photo_source.h"
 #include "burin/base/error.h"
 #include "burin/base/files/table.h"
 #include "burin/base/limits.h"
 #include "burin/base/median.h"
+#include "burin/capture/photo.h"
+#include "burin/capture/photo_source.h"
 
 namespace burin {
 namespace {

@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "burin/calib/geometry/lens_solver.h"
 #include "burin/base/finding.h"
 #include "burin/base/progress.h"
+#include "burin/calib/geometry/lens_solver.h"
 
 namespace burin {
 

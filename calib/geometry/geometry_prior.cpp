@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "burin/base/median.h"
 #include "burin/calib/geometry/bundle.h"
 #include "burin/calib/geometry/information.h"
 #include "burin/scene/board_face.h"
 #include "burin/scene/lens.h"
-#include "burin/base/median.h"
 #include "burin/scene/parameter_name.h"
 
 namespace burin {

@@ -11,11 +11,11 @@
 #include <string>
 #include <utility>
 
+#include "burin/base/files/decimals.h"
+#include "burin/base/median.h"
 #include "burin/calib/light/lamp_area.h"
 #include "burin/calib/light/lamp_fit.h"
 #include "burin/calib/light/lamp_shapes.h"
-#include "burin/base/files/decimals.h"
-#include "burin/base/median.h"
 #include "burin/scene/parameter_name.h"
 
 namespace burin {

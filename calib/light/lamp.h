@@ -13,13 +13,13 @@
 #include <string>
 #include <vector>
 
+#include "burin/base/finding.h"
 #include "burin/calib/light/light_samples.h"
 #include "burin/capture/photo.h"
 #include "burin/scene/bench.h"
 #include "burin/scene/board.h"
 #include "burin/scene/carve.h"
 #include "burin/scene/face_grain.h"
-#include "burin/base/finding.h"
 #include "burin/scene/light.h"
 
 namespace burin {

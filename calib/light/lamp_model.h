@@ -9,11 +9,11 @@
 #include <span>
 
 #include "burin/calib/light/light_samples.h"
-#include "burin/scene/board.h"
 #include "burin/render/brdf.h"
+#include "burin/render/pixel_shading.h"
+#include "burin/scene/board.h"
 #include "burin/scene/face_grain.h"
 #include "burin/scene/lamp_size.h"
-#include "burin/render/pixel_shading.h"
 
 namespace burin {
 

@@ -9,16 +9,16 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "burin/capture/tags/tag_family.h"
-#include "burin/scene/board_face.h"
 #include "burin/base/error.h"
-#include "burin/scene/far_light.h"
-#include "burin/scene/groove.h"
-#include "burin/scene/keep_out.h"
 #include "burin/base/median.h"
+#include "burin/capture/tags/tag_family.h"
 #include "burin/render/pixel_shading.h"
 #include "burin/render/surroundings/seen_sources.h"
 #include "burin/render/view_renderer.h"
+#include "burin/scene/board_face.h"
+#include "burin/scene/far_light.h"
+#include "burin/scene/groove.h"
+#include "burin/scene/keep_out.h"
 
 namespace burin {
 namespace {

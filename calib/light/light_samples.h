@@ -11,13 +11,13 @@
 #include <string>
 #include <vector>
 
+#include "burin/base/finding.h"
+#include "burin/base/image.h"
 #include "burin/capture/photo.h"
 #include "burin/scene/bench.h"
 #include "burin/scene/board.h"
 #include "burin/scene/carve.h"
-#include "burin/base/finding.h"
 #include "burin/scene/footprint_grid.h"
-#include "burin/base/image.h"
 #include "burin/scene/lens.h"
 
 namespace burin {

@@ -8,12 +8,12 @@
 #include <string>
 #include <vector>
 
+#include "burin/base/finding.h"
+#include "burin/base/image.h"
 #include "burin/calib/geometry/board_solver.h"
 #include "burin/calib/light/light_samples.h"
 #include "burin/scene/bench.h"
 #include "burin/scene/board.h"
-#include "burin/base/finding.h"
-#include "burin/base/image.h"
 
 namespace burin {
 

@@ -4,8 +4,8 @@
 
 #include <vector>
 
-#include "burin/capture/session.h"
 #include "burin/base/finding.h"
+#include "burin/capture/session.h"
 
 namespace burin {
 

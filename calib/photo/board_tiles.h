@@ -2,8 +2,8 @@
 // errors of neighboring pixels that are alike. docs/model.md 9, "Sigmas".
 #pragma once
 
-#include "burin/scene/board.h"
 #include "burin/base/cell_grid.h"
+#include "burin/scene/board.h"
 
 namespace burin {
 

@@ -10,9 +10,9 @@
 #include <cstddef>
 #include <vector>
 
+#include "burin/base/progress.h"
 #include "burin/calib/photo/photo_problem.h"
 #include "burin/scene/coupon.h"
-#include "burin/base/progress.h"
 #include "burin/scene/scratches.h"
 
 namespace burin {

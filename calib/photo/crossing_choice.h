@@ -7,8 +7,8 @@
 
 #include <cstddef>
 
-#include "burin/calib/photo/photo_problem.h"
 #include "burin/base/progress.h"
+#include "burin/calib/photo/photo_problem.h"
 
 namespace burin {
 

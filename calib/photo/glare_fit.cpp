@@ -7,7 +7,7 @@
 #include <cmath>
 #include <cstddef>
 
-#include "burin/scene/glare.h"
+#include "burin/capture/glare.h"
 
 namespace burin {
 namespace {

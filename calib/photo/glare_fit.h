@@ -1,4 +1,4 @@
-// burin/calib/photo/glare_fit.h - glare (burin/scene/glare.h) as photos of a board show it. docs/model.md 5.13, 9.25.
+// burin/calib/photo/glare_fit.h - glare (burin/capture/glare.h) as photos of a board show it. docs/model.md 5.13, 9.25.
 //
 // A pixel's predicted value is (1 - share) its own light + share * what K makes of the photo that was taken: K is broad
 // and the share small, so the photo serves for the light that it was before, and no whole photo need be rendered.
@@ -8,9 +8,9 @@
 #include <vector>
 
 #include "burin/calib/light/light_samples.h"
+#include "burin/capture/glare.h"
 #include "burin/capture/photo.h"
 #include "burin/scene/bench.h"
-#include "burin/scene/glare.h"
 
 namespace burin {
 

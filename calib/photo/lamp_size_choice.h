@@ -6,8 +6,8 @@
 // half, and the lamp decimeters off.
 #pragma once
 
-#include "burin/calib/photo/photo_problem.h"
 #include "burin/base/progress.h"
+#include "burin/calib/photo/photo_problem.h"
 
 namespace burin {
 

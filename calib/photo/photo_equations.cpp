@@ -11,6 +11,7 @@
 #include <optional>
 #include <utility>
 
+#include "burin/base/error.h"
 #include "burin/calib/light/lamp_model.h"
 #include "burin/calib/photo/carved_states.h"
 #include "burin/calib/photo/cauchy_loss.h"
@@ -18,10 +19,9 @@
 #include "burin/calib/photo/lamp_unknowns.h"
 #include "burin/calib/photo/machine_map.h"
 #include "burin/calib/photo/stray_light.h"
-#include "burin/scene/board_face.h"
-#include "burin/base/error.h"
-#include "burin/scene/lamp_size.h"
 #include "burin/render/parts_derivatives.h"
+#include "burin/scene/board_face.h"
+#include "burin/scene/lamp_size.h"
 
 namespace burin {
 namespace {

@@ -9,18 +9,18 @@
 #include <span>
 #include <vector>
 
+#include "burin/base/cell_grid.h"
 #include "burin/calib/geometry/geometry_prior.h"
 #include "burin/calib/light/light_samples.h"
 #include "burin/calib/photo/model_data.h"
 #include "burin/calib/photo/unknowns.h"
 #include "burin/calib/photo/workspace_pool.h"
+#include "burin/render/view_renderer.h"
 #include "burin/scene/bench.h"
 #include "burin/scene/board.h"
 #include "burin/scene/carve.h"
-#include "burin/base/cell_grid.h"
 #include "burin/scene/groove_field.h"
 #include "burin/scene/scratches.h"
-#include "burin/render/view_renderer.h"
 
 namespace burin {
 

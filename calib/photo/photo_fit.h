@@ -4,8 +4,8 @@
 
 #include <string>
 
-#include "burin/calib/photo/photo_problem.h"
 #include "burin/base/progress.h"
+#include "burin/calib/photo/photo_problem.h"
 
 namespace burin {
 

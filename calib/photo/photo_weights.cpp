@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "burin/calib/photo/groove_scatter.h"
 #include "burin/base/median.h"
+#include "burin/calib/photo/groove_scatter.h"
 
 namespace burin {
 namespace {

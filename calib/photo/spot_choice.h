@@ -5,8 +5,8 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "burin/calib/photo/photo_problem.h"
 #include "burin/base/progress.h"
+#include "burin/calib/photo/photo_problem.h"
 
 namespace burin {
 

@@ -14,9 +14,9 @@
 #include <utility>
 #include <vector>
 
+#include "burin/base/finding.h"
 #include "burin/calib/light/light_samples.h"
 #include "burin/calib/photo/photo_problem.h"
-#include "burin/base/finding.h"
 
 namespace burin {
 

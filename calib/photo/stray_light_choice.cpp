@@ -9,13 +9,13 @@
 #include <utility>
 #include <vector>
 
+#include "burin/base/median.h"
 #include "burin/calib/geometry/information.h"
 #include "burin/calib/light/lamp_model.h"
 #include "burin/calib/photo/effect_choice.h"
 #include "burin/calib/photo/held_out_gains.h"
 #include "burin/calib/photo/normal_system.h"
 #include "burin/calib/photo/photo_fit.h"
-#include "burin/base/median.h"
 
 namespace burin {
 namespace {

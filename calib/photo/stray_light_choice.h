@@ -6,9 +6,9 @@
 #include <optional>
 #include <vector>
 
+#include "burin/base/progress.h"
 #include "burin/calib/photo/photo_problem.h"
 #include "burin/calib/photo/stray_light.h"
-#include "burin/base/progress.h"
 
 namespace burin {
 

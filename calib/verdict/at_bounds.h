@@ -4,9 +4,9 @@
 
 #include <vector>
 
+#include "burin/base/finding.h"
 #include "burin/calib/photo/photo_problem.h"
 #include "burin/scene/bench.h"
-#include "burin/base/finding.h"
 
 namespace burin {
 

@@ -6,15 +6,15 @@
 #include <numbers>
 #include <set>
 
+#include "burin/base/error.h"
+#include "burin/base/files/decimals.h"
+#include "burin/base/median.h"
 #include "burin/calib/light/lamp_model.h"
 #include "burin/calib/photo/carved_states.h"
 #include "burin/calib/photo/effect_unknowns.h"
 #include "burin/calib/photo/paper_equation.h"
 #include "burin/scene/board_face.h"
-#include "burin/base/error.h"
-#include "burin/base/files/decimals.h"
 #include "burin/scene/footprint_grid.h"
-#include "burin/base/median.h"
 
 namespace burin {
 namespace {

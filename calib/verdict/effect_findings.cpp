@@ -6,8 +6,8 @@
 #include <optional>
 #include <string>
 
-#include "burin/calib/light/lamp.h"
 #include "burin/base/files/decimals.h"
+#include "burin/calib/light/lamp.h"
 
 namespace burin {
 namespace {

@@ -4,9 +4,9 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "burin/base/finding.h"
 #include "burin/scene/bench.h"
 #include "burin/scene/board.h"
-#include "burin/base/finding.h"
 
 namespace burin {
 

@@ -3,10 +3,10 @@
 #include <cstddef>
 #include <utility>
 
+#include "burin/base/median.h"
 #include "burin/calib/geometry/information.h"
 #include "burin/calib/photo/board_tiles.h"
 #include "burin/calib/photo/normal_system.h"
-#include "burin/base/median.h"
 
 namespace burin {
 namespace {

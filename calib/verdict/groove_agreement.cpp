@@ -4,8 +4,8 @@
 #include <array>
 #include <cmath>
 
-#include "burin/calib/photo/carved_states.h"
 #include "burin/base/median.h"
+#include "burin/calib/photo/carved_states.h"
 
 namespace burin {
 namespace {
@@ -81,8 +81,8 @@ std::vector<GrooveAgreement> groove_agreements(const Problem& data, const State&
 }
 
 std::vector<std::size_t> photos_of_other_grooves(const std::vector<GrooveAgreement>& agreements) {
-  // docs/calibration.md has what was measured. Most photos say whether it is another board; one by itself must be
-  // further off, and tell more.
+  // docs/results/calibration.md has what was measured. Most photos say whether it is another board; one by itself must
+  // be further off, and tell more.
   constexpr double kOtherBoard = 0.4, kOwnBoard = 0.6, kOtherPhoto = 0.25, kLeastSigmas = 3, kSigmasInAll = 8;
   std::vector<double> shares;
   std::vector<std::size_t> all, out;

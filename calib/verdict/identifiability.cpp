@@ -12,9 +12,9 @@
 #include "burin/calib/photo/effect_unknowns.h"
 #include "burin/calib/photo/machine_map.h"
 #include "burin/calib/verdict/half_samples.h"
+#include "burin/render/pixel_shading.h"
 #include "burin/scene/groove.h"
 #include "burin/scene/parameter_name.h"
-#include "burin/render/pixel_shading.h"
 #include "burin/scene/steepest_lean.h"
 #include "burin/scene/surface.h"
 

@@ -5,13 +5,13 @@
 #include <optional>
 #include <utility>
 
+#include "burin/base/files/decimals.h"
+#include "burin/base/files/file_names.h"
+#include "burin/base/median.h"
 #include "burin/calib/geometry/information.h"
 #include "burin/calib/photo/bench_unknowns.h"
 #include "burin/calib/verdict/candidate_photo.h"
 #include "burin/calib/verdict/half_samples.h"
-#include "burin/base/files/decimals.h"
-#include "burin/base/files/file_names.h"
-#include "burin/base/median.h"
 #include "burin/scene/parameter_name.h"
 
 namespace burin {

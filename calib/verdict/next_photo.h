@@ -13,13 +13,13 @@
 #include <string>
 #include <vector>
 
+#include "burin/base/progress.h"
 #include "burin/calib/geometry/board_solver.h"
 #include "burin/calib/photo/photo_problem.h"
 #include "burin/calib/verdict/identifiability.h"
 #include "burin/calib/verdict/photo_uncertainty.h"
 #include "burin/scene/bench.h"
 #include "burin/scene/board.h"
-#include "burin/base/progress.h"
 
 namespace burin {
 

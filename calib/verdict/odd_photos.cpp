@@ -5,9 +5,9 @@
 #include <cmath>
 #include <utility>
 
+#include "burin/base/median.h"
 #include "burin/calib/photo/unknowns.h"
 #include "burin/calib/verdict/model_tests.h"
-#include "burin/base/median.h"
 
 namespace burin {
 namespace {

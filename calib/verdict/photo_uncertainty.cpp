@@ -4,11 +4,11 @@
 #include <cmath>
 #include <utility>
 
+#include "burin/base/median.h"
 #include "burin/calib/geometry/information.h"
 #include "burin/calib/photo/board_tiles.h"
 #include "burin/calib/photo/normal_system.h"
 #include "burin/calib/verdict/model_tests.h"
-#include "burin/base/median.h"
 
 namespace burin {
 namespace {
@@ -176,7 +176,7 @@ void add_misfits(std::vector<ModelTest> tests, Uncertainty& out) {
 }
 
 // Where grooves cut each other's rims away, benches whose truth is known come out a little too shallow, and their
-// roughnesses a little off, for a reason not found (docs/calibration.md): by this much, RMS.
+// roughnesses a little off, for a reason not found (docs/results/calibration.md): by this much, RMS.
 void add_unexplained_by_rims(Uncertainty& out) {
   constexpr double kDepth = 0.003, kRoughness = 0.001;
   for (const auto& [unknown, by] : {std::pair(unknown::log_depth, kDepth), std::pair(unknown::log_alpha, kRoughness),

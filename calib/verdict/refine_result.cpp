@@ -8,13 +8,13 @@
 #include <utility>
 #include <vector>
 
+#include "burin/base/files/decimals.h"
+#include "burin/base/median.h"
 #include "burin/calib/change_in_time.h"
 #include "burin/calib/light/lamp_area.h"
 #include "burin/calib/photo/bench_unknowns.h"
 #include "burin/calib/photo/machine_map.h"
 #include "burin/calib/photo/stray_light.h"
-#include "burin/base/files/decimals.h"
-#include "burin/base/median.h"
 #include "burin/scene/parameter_name.h"
 
 namespace burin {

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "burin/scene/bench.h"
 #include "burin/base/finding.h"
+#include "burin/scene/bench.h"
 #include "burin/scene/verdict.h"
 
 namespace burin {

@@ -7,9 +7,9 @@
 #include <cstddef>
 #include <optional>
 
-#include "burin/capture/photo.h"
 #include "burin/base/image.h"
 #include "burin/base/median.h"
+#include "burin/capture/photo.h"
 
 namespace burin {
 namespace {

@@ -1,6 +1,6 @@
 #include "burin/capture/tags/tag_coverage.h"
-#include "burin/capture/tags/board_pose.h"
 #include "burin/base/median.h"
+#include "burin/capture/tags/board_pose.h"
 
 #include <algorithm>
 #include <array>

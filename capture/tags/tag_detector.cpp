@@ -12,11 +12,11 @@
 #include <optional>
 #include <set>
 
-#include "burin/capture/tags/tag_family.h"
 #include "burin/base/error.h"
 #include "burin/base/files/decimals.h"
 #include "burin/base/limits.h"
 #include "burin/base/median.h"
+#include "burin/capture/tags/tag_family.h"
 
 namespace burin {
 namespace {

@@ -15,8 +15,8 @@
 
 #include <Eigen/Core>
 
-#include "burin/capture/tags/tag_fault.h"
 #include "burin/base/image.h"
+#include "burin/capture/tags/tag_fault.h"
 
 namespace burin {
 

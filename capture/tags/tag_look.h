@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "burin/base/image.h"
 #include "burin/capture/tags/seen_tag.h"
 #include "burin/capture/tags/tag_detector.h"
-#include "burin/base/image.h"
 
 namespace burin {
 

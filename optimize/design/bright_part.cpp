@@ -8,9 +8,9 @@
 #include <numeric>
 #include <utility>
 
-#include "burin/optimize/toolpath/ends.h"
 #include "burin/optimize/design/color_views.h"
 #include "burin/optimize/design/glint.h"
+#include "burin/optimize/toolpath/ends.h"
 #include "burin/scene/groove.h"
 #include "burin/scene/scratches.h"
 

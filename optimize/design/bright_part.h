@@ -7,12 +7,12 @@
 #include <cstddef>
 #include <vector>
 
+#include "burin/base/image.h"
 #include "burin/optimize/design/design_views.h"
 #include "burin/optimize/design/to_metal.h"
 #include "burin/scene/bench.h"
 #include "burin/scene/board.h"
 #include "burin/scene/carve.h"
-#include "burin/base/image.h"
 #include "burin/scene/scratch_gradients.h"
 
 namespace burin {

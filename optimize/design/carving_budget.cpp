@@ -5,8 +5,8 @@
 #include <numeric>
 #include <utility>
 
-#include "burin/optimize/toolpath/carving_time.h"
 #include "burin/optimize/loss/color_metrics.h"
+#include "burin/optimize/toolpath/carving_time.h"
 
 namespace burin {
 

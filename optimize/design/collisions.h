@@ -10,8 +10,8 @@
 #include <cstddef>
 #include <vector>
 
-#include "burin/optimize/design/glint.h"
 #include "burin/base/finding.h"
+#include "burin/optimize/design/glint.h"
 
 namespace burin {
 

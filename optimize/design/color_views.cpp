@@ -5,12 +5,12 @@
 #include <cmath>
 #include <numbers>
 
-#include "burin/optimize/loss/color_metrics.h"
-#include "burin/optimize/white.h"
 #include "burin/base/degrees.h"
 #include "burin/base/error.h"
-#include "burin/scene/far_light.h"
 #include "burin/base/files/decimals.h"
+#include "burin/optimize/loss/color_metrics.h"
+#include "burin/optimize/white.h"
+#include "burin/scene/far_light.h"
 
 namespace burin {
 namespace {

@@ -10,12 +10,12 @@
 #include <string>
 #include <vector>
 
+#include "burin/base/finding.h"
+#include "burin/base/image.h"
 #include "burin/optimize/design/glint.h"
 #include "burin/optimize/design_file.h"
 #include "burin/scene/bench.h"
 #include "burin/scene/board.h"
-#include "burin/base/finding.h"
-#include "burin/base/image.h"
 
 namespace burin {
 

@@ -6,9 +6,9 @@
 
 #include <vector>
 
+#include "burin/base/image.h"
 #include "burin/optimize/design/design_views.h"
 #include "burin/scene/carve.h"
-#include "burin/base/image.h"
 
 namespace burin {
 

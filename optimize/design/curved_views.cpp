@@ -4,9 +4,9 @@
 #include <cmath>
 #include <utility>
 
-#include "burin/scene/board_mesh.h"
 #include "burin/base/error.h"
 #include "burin/base/files/decimals.h"
+#include "burin/scene/board_mesh.h"
 
 namespace burin {
 namespace {

@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "burin/scene/board_face.h"
 #include "burin/base/finding.h"
 #include "burin/base/image.h"
+#include "burin/scene/board_face.h"
 
 namespace burin {
 

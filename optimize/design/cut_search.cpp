@@ -6,10 +6,10 @@
 #include <limits>
 #include <utility>
 
-#include "burin/optimize/toolpath/ends.h"
 #include "burin/optimize/design/glint_lines.h"
 #include "burin/optimize/design/stroke_sweep.h"
 #include "burin/optimize/design/stroke_tries.h"
+#include "burin/optimize/toolpath/ends.h"
 
 namespace burin {
 namespace {

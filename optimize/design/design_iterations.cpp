@@ -7,8 +7,8 @@
 #include <string>
 #include <utility>
 
-#include "burin/optimize/toolpath/carving_time.h"
-#include "burin/optimize/toolpath/ends.h"
+#include "burin/base/error.h"
+#include "burin/base/files/decimals.h"
 #include "burin/optimize/design/carving_budget.h"
 #include "burin/optimize/design/crossing_loss.h"
 #include "burin/optimize/design/design_output.h"
@@ -16,9 +16,9 @@
 #include "burin/optimize/design/relocate.h"
 #include "burin/optimize/design/weak_scratches.h"
 #include "burin/optimize/loss/color_metrics.h"
+#include "burin/optimize/toolpath/carving_time.h"
+#include "burin/optimize/toolpath/ends.h"
 #include "burin/render/brdf.h"
-#include "burin/base/error.h"
-#include "burin/base/files/decimals.h"
 
 namespace burin {
 namespace {

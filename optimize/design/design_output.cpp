@@ -5,13 +5,14 @@
 #include <cmath>
 #include <set>
 
-#include "burin/optimize/design/carving_plot.h"
 #include "burin/base/error.h"
 #include "burin/base/files/file_names.h"
 #include "burin/base/files/files_together.h"
 #include "burin/base/files/json_file.h"
-#include "burin/scene/files/machine_json.h"
 #include "burin/base/simd_width.h"
+#include "burin/optimize/design/carving_plot.h"
+#include "burin/pictures/picture.h"
+#include "burin/scene/files/machine_json.h"
 
 namespace burin {
 namespace {

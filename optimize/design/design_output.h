@@ -36,11 +36,11 @@
 
 #include <filesystem>
 
+#include "burin/base/image.h"
 #include "burin/optimize/design_file.h"
 #include "burin/optimize/design_result.h"
 #include "burin/scene/bench.h"
 #include "burin/scene/board.h"
-#include "burin/base/image.h"
 
 namespace burin {
 

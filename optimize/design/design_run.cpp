@@ -7,8 +7,10 @@
 #include <tuple>
 #include <utility>
 
-#include "burin/optimize/toolpath/carving_order.h"
-#include "burin/optimize/toolpath/carving_time.h"
+#include "burin/base/degrees.h"
+#include "burin/base/error.h"
+#include "burin/base/files/decimals.h"
+#include "burin/base/limits.h"
 #include "burin/optimize/design/bright_part.h"
 #include "burin/optimize/design/carving_budget.h"
 #include "burin/optimize/design/crowding.h"
@@ -21,11 +23,9 @@
 #include "burin/optimize/loss/color_metrics.h"
 #include "burin/optimize/loss/picture_metrics.h"
 #include "burin/optimize/target.h"
+#include "burin/optimize/toolpath/carving_order.h"
+#include "burin/optimize/toolpath/carving_time.h"
 #include "burin/scene/crossings.h"
-#include "burin/base/degrees.h"
-#include "burin/base/error.h"
-#include "burin/base/files/decimals.h"
-#include "burin/base/limits.h"
 
 namespace burin {
 namespace {

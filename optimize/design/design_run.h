@@ -19,7 +19,7 @@
 #include <span>
 #include <vector>
 
-#include "burin/optimize/toolpath/carving_limits.h"
+#include "burin/base/progress.h"
 #include "burin/optimize/design/bright_part.h"
 #include "burin/optimize/design/deadline.h"
 #include "burin/optimize/design/design_views.h"
@@ -31,12 +31,12 @@
 #include "burin/optimize/design_options.h"
 #include "burin/optimize/design_result.h"
 #include "burin/optimize/loss/adam.h"
+#include "burin/optimize/toolpath/carving_limits.h"
+#include "burin/render/view_renderer.h"
 #include "burin/scene/bench.h"
 #include "burin/scene/board.h"
 #include "burin/scene/carve.h"
-#include "burin/base/progress.h"
 #include "burin/scene/scratches.h"
-#include "burin/render/view_renderer.h"
 
 namespace burin {
 

@@ -6,10 +6,10 @@
 #include <random>
 #include <string>
 
-#include "burin/optimize/toolpath/ends.h"
+#include "burin/base/error.h"
 #include "burin/optimize/design/curved_views.h"
 #include "burin/optimize/design/random.h"
-#include "burin/base/error.h"
+#include "burin/optimize/toolpath/ends.h"
 
 namespace burin {
 namespace {

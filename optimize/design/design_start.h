@@ -6,9 +6,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "burin/optimize/toolpath/carving_limits.h"
 #include "burin/optimize/design/stroke_search.h"
 #include "burin/optimize/design_options.h"
+#include "burin/optimize/toolpath/carving_limits.h"
 #include "burin/scene/bench.h"
 #include "burin/scene/board.h"
 #include "burin/scene/scratches.h"

@@ -10,7 +10,9 @@
 #include <set>
 #include <utility>
 
-#include "burin/optimize/toolpath/ends.h"
+#include "burin/base/error.h"
+#include "burin/base/files/input_file.h"
+#include "burin/base/limits.h"
 #include "burin/optimize/design/curved_views.h"
 #include "burin/optimize/design/direction_light.h"
 #include "burin/optimize/design/glint.h"
@@ -19,12 +21,10 @@
 #include "burin/optimize/design/to_metal.h"
 #include "burin/optimize/loss/color_metrics.h"
 #include "burin/optimize/loss/picture_metrics.h"
+#include "burin/optimize/toolpath/ends.h"
 #include "burin/scene/bench_of_board.h"
-#include "burin/base/error.h"
-#include "burin/base/files/input_file.h"
 #include "burin/scene/groove.h"
 #include "burin/scene/keep_out.h"
-#include "burin/base/limits.h"
 
 namespace burin {
 namespace {

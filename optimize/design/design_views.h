@@ -16,18 +16,18 @@
 #include <string>
 #include <vector>
 
-#include "burin/optimize/toolpath/carving_limits.h"
+#include "burin/base/finding.h"
 #include "burin/optimize/design/color_views.h"
 #include "burin/optimize/design/glint_lines.h"
 #include "burin/optimize/design/stroke_search.h"
 #include "burin/optimize/design_file.h"
 #include "burin/optimize/design_options.h"
 #include "burin/optimize/target.h"
+#include "burin/optimize/toolpath/carving_limits.h"
+#include "burin/render/view_renderer.h"
 #include "burin/scene/bench.h"
 #include "burin/scene/board.h"
 #include "burin/scene/carve.h"
-#include "burin/base/finding.h"
-#include "burin/render/view_renderer.h"
 
 namespace burin {
 

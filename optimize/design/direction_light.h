@@ -12,8 +12,8 @@
 #include <string>
 #include <vector>
 
-#include "burin/optimize/design/glint.h"
 #include "burin/base/finding.h"
+#include "burin/optimize/design/glint.h"
 #include "burin/render/view_renderer.h"
 
 namespace burin {

@@ -5,10 +5,10 @@
 #include <numbers>
 #include <string>
 
-#include "burin/optimize/design/collisions.h"
 #include "burin/base/degrees.h"
 #include "burin/base/error.h"
 #include "burin/base/files/decimals.h"
+#include "burin/optimize/design/collisions.h"
 #include "burin/scene/steepest_lean.h"
 
 namespace burin {

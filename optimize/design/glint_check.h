@@ -5,8 +5,8 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "burin/optimize/design/glint.h"
 #include "burin/base/finding.h"
+#include "burin/optimize/design/glint.h"
 
 namespace burin {
 

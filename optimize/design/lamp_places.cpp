@@ -8,12 +8,12 @@
 #include <random>
 #include <set>
 
+#include "burin/base/degrees.h"
+#include "burin/base/files/decimals.h"
 #include "burin/optimize/design/collisions.h"
 #include "burin/optimize/design/color_views.h"
 #include "burin/optimize/design/curved_views.h"
 #include "burin/optimize/design/to_metal.h"
-#include "burin/base/degrees.h"
-#include "burin/base/files/decimals.h"
 #include "burin/scene/steepest_lean.h"
 
 namespace burin {

@@ -10,7 +10,7 @@ namespace burin {
 
 double black_for(double contrast) {
   constexpr double kBlackEnough = 0.22;  // its light is a 28th of white's
-  constexpr double kShare = 0.8;         // docs/light.md: more costs PSNR, less brings less
+  constexpr double kShare = 0.8;         // docs/results/light.md: more costs PSNR, less brings less
   constexpr double kLeast = 0.03;        // less is not worth a word
   const double black = kShare * (std::pow(std::max(1.0, contrast), -1 / 2.2) - kBlackEnough);
   return black < kLeast ? 0 : black;

@@ -7,9 +7,9 @@
 
 #include <vector>
 
+#include "burin/base/finding.h"
 #include "burin/optimize/design/design_views.h"
 #include "burin/optimize/loss/loss.h"
-#include "burin/base/finding.h"
 
 namespace burin {
 

@@ -13,10 +13,10 @@
 #include <functional>
 #include <vector>
 
-#include "burin/optimize/toolpath/carving_limits.h"
 #include "burin/optimize/design/design_views.h"
 #include "burin/optimize/design/stroke_search.h"
 #include "burin/optimize/design/to_metal.h"
+#include "burin/optimize/toolpath/carving_limits.h"
 #include "burin/scene/scratches.h"
 
 namespace burin {

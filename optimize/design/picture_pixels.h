@@ -11,9 +11,9 @@
 #include <optional>
 #include <vector>
 
+#include "burin/base/finding.h"
 #include "burin/optimize/design/design_views.h"
 #include "burin/scene/crossings.h"
-#include "burin/base/finding.h"
 
 namespace burin {
 

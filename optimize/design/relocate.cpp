@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <numeric>
 
-#include "burin/optimize/toolpath/ends.h"
 #include "burin/optimize/design/cut_search.h"
 #include "burin/optimize/design/stroke_field.h"
 #include "burin/optimize/design/stroke_sweep.h"
+#include "burin/optimize/toolpath/ends.h"
 
 namespace burin {
 

@@ -6,9 +6,9 @@
 #include <functional>
 #include <vector>
 
-#include "burin/optimize/toolpath/carving_limits.h"
 #include "burin/optimize/design/design_views.h"
 #include "burin/optimize/design/stroke_search.h"
+#include "burin/optimize/toolpath/carving_limits.h"
 #include "burin/scene/scratches.h"
 
 namespace burin {

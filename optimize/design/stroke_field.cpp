@@ -10,9 +10,9 @@
 #include <limits>
 #include <string>
 
-#include "burin/optimize/design/shown_light.h"
 #include "burin/base/error.h"
 #include "burin/base/machine_clones.h"
+#include "burin/optimize/design/shown_light.h"
 
 namespace burin {
 namespace {

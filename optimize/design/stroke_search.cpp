@@ -13,7 +13,8 @@
 #include <set>
 #include <utility>
 
-#include "burin/optimize/toolpath/ends.h"
+#include "burin/base/error.h"
+#include "burin/base/scattered.h"
 #include "burin/optimize/design/random.h"
 #include "burin/optimize/design/shown_light.h"
 #include "burin/optimize/design/stroke_field.h"
@@ -21,8 +22,7 @@
 #include "burin/optimize/design/stroke_sweep.h"
 #include "burin/optimize/design/stroke_tiles.h"
 #include "burin/optimize/design/stroke_tries.h"
-#include "burin/base/error.h"
-#include "burin/base/scattered.h"
+#include "burin/optimize/toolpath/ends.h"
 
 namespace burin {
 namespace {

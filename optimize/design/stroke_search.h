@@ -35,13 +35,13 @@
 #include <functional>
 #include <vector>
 
+#include "burin/base/image.h"
 #include "burin/optimize/design/glint.h"
 #include "burin/optimize/design/stroke_types.h"
 #include "burin/optimize/design/to_metal.h"
-#include "burin/scene/carve.h"
-#include "burin/base/image.h"
-#include "burin/scene/scratches.h"
 #include "burin/render/view_renderer.h"
+#include "burin/scene/carve.h"
+#include "burin/scene/scratches.h"
 
 namespace burin {
 

@@ -9,10 +9,10 @@
 #include <functional>
 #include <vector>
 
-#include "burin/optimize/toolpath/ends.h"
 #include "burin/optimize/design/stroke_field.h"
 #include "burin/optimize/design/stroke_tiles.h"
 #include "burin/optimize/design/stroke_types.h"
+#include "burin/optimize/toolpath/ends.h"
 #include "burin/scene/scratches.h"
 
 namespace burin {

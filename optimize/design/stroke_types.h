@@ -8,10 +8,10 @@
 #include <optional>
 #include <vector>
 
+#include "burin/base/image.h"
 #include "burin/optimize/design/glint.h"
 #include "burin/optimize/design/to_metal.h"
 #include "burin/scene/groove_field.h"
-#include "burin/base/image.h"
 
 namespace burin {
 

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <optional>
 
+#include "burin/base/files/decimals.h"
 #include "burin/optimize/design/design_views.h"
 #include "burin/optimize/loss/color_metrics.h"
 #include "burin/scene/carve.h"
-#include "burin/base/files/decimals.h"
 
 namespace burin {
 namespace {

@@ -14,11 +14,11 @@
 #include <string>
 #include <vector>
 
+#include "burin/base/image.h"
+#include "burin/base/progress.h"
 #include "burin/optimize/design_file.h"
 #include "burin/scene/bench.h"
 #include "burin/scene/board.h"
-#include "burin/base/image.h"
-#include "burin/base/progress.h"
 #include "burin/scene/scratches.h"
 
 namespace burin {

@@ -5,11 +5,11 @@
 #include <functional>
 #include <utility>
 
+#include "burin/base/files/decimals.h"
 #include "burin/optimize/design/bright_part.h"
 #include "burin/optimize/design/glint.h"
 #include "burin/optimize/loss/color_metrics.h"
 #include "burin/scene/blur.h"
-#include "burin/base/files/decimals.h"
 #include "burin/scene/groove_profile.h"
 
 namespace burin {

@@ -6,11 +6,11 @@
 #include <string>
 #include <vector>
 
+#include "burin/base/finding.h"
+#include "burin/base/image.h"
 #include "burin/optimize/design/design_views.h"
 #include "burin/scene/bench.h"
 #include "burin/scene/board.h"
-#include "burin/base/finding.h"
-#include "burin/base/image.h"
 
 namespace burin {
 

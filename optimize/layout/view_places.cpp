@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "burin/optimize/design/glint.h"
 #include "burin/base/degrees.h"
+#include "burin/optimize/design/glint.h"
 #include "burin/scene/groove.h"
 
 namespace burin {

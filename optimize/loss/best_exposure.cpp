@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "burin/base/error.h"
+#include "burin/base/machine_clones.h"
 #include "burin/optimize/loss/bands.h"
 #include "burin/optimize/loss/lane_sum.h"
 #include "burin/optimize/loss/picture_metrics.h"
-#include "burin/base/error.h"
-#include "burin/base/machine_clones.h"
 
 namespace burin {
 namespace {

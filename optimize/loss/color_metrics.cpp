@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "burin/optimize/loss/picture_metrics.h"
 #include "burin/base/error.h"
+#include "burin/optimize/loss/picture_metrics.h"
 
 namespace burin {
 namespace {

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <cstdint>
 
+#include "burin/base/machine_clones.h"
 #include "burin/optimize/loss/bands.h"
 #include "burin/optimize/loss/lane_sum.h"
 #include "burin/optimize/loss/loss.h"
-#include "burin/base/machine_clones.h"
 
 namespace burin {
 namespace {

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
-#include "burin/optimize/loss/bands.h"
 #include "burin/base/machine_clones.h"
+#include "burin/optimize/loss/bands.h"
 
 namespace burin {
 namespace {

@@ -6,11 +6,11 @@
 #include <utility>
 #include <vector>
 
+#include "burin/base/error.h"
+#include "burin/base/machine_clones.h"
 #include "burin/optimize/loss/bands.h"
 #include "burin/optimize/loss/gram_term.h"
 #include "burin/optimize/loss/lane_sum.h"
-#include "burin/base/error.h"
-#include "burin/base/machine_clones.h"
 
 namespace burin {
 namespace {

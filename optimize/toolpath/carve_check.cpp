@@ -7,16 +7,16 @@
 #include <map>
 #include <numbers>
 
+#include "burin/base/error.h"
+#include "burin/base/files/decimals.h"
+#include "burin/base/files/json_file.h"
+#include "burin/optimize/design/glint.h"
+#include "burin/optimize/design/to_metal.h"
 #include "burin/optimize/toolpath/ends.h"
 #include "burin/optimize/toolpath/release_check.h"
 #include "burin/optimize/toolpath/sheet.h"
 #include "burin/optimize/toolpath/toolpath_check.h"
-#include "burin/optimize/design/glint.h"
-#include "burin/optimize/design/to_metal.h"
 #include "burin/scene/carve.h"
-#include "burin/base/error.h"
-#include "burin/base/files/decimals.h"
-#include "burin/base/files/json_file.h"
 #include "burin/scene/groove.h"
 #include "burin/scene/keep_out.h"
 #include "burin/scene/parameter_name.h"

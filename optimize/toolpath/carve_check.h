@@ -1,9 +1,10 @@
-// burin/optimize/toolpath/carve_check.h - before metal moves: what the files that are to be carved will do to the board.
+// burin/optimize/toolpath/carve_check.h - before metal moves: what the files that are to be carved will do to the
+// board.
 //
-// The files themselves are looked at, by replay (burin/optimize/toolpath/toolpath_check.h), not the table they were made
-// from; where each stroke comes to lie and how deep it becomes is the bench's word (its machine's map, its depth and
-// fields). Errors among the findings are red lines: what would spoil the board.
-// Frame: the board's, mm; the tool's places are the machine's.
+// The files themselves are looked at, by replay (burin/optimize/toolpath/toolpath_check.h), not the table they were
+// made from; where each stroke comes to lie and how deep it becomes is the bench's word (its machine's map, its depth
+// and fields). Errors among the findings are red lines: what would spoil the board. Frame: the board's, mm; the tool's
+// places are the machine's.
 #pragma once
 
 #include <Eigen/Core>
@@ -13,12 +14,12 @@
 #include <string>
 #include <vector>
 
-#include "burin/optimize/toolpath/toolpath_plan.h"
+#include "burin/base/finding.h"
 #include "burin/optimize/design_file.h"
 #include "burin/optimize/machine_profile.h"
+#include "burin/optimize/toolpath/toolpath_plan.h"
 #include "burin/scene/bench.h"
 #include "burin/scene/board.h"
-#include "burin/base/finding.h"
 #include "burin/scene/scratches.h"
 
 namespace burin {

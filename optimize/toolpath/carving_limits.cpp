@@ -7,13 +7,13 @@
 #include <numeric>
 #include <set>
 
-#include "burin/optimize/toolpath/ends.h"
-#include "burin/optimize/toolpath/groove_pairs.h"
 #include "burin/base/error.h"
 #include "burin/base/files/decimals.h"
+#include "burin/base/limits.h"
+#include "burin/optimize/toolpath/ends.h"
+#include "burin/optimize/toolpath/groove_pairs.h"
 #include "burin/scene/groove.h"
 #include "burin/scene/keep_out.h"
-#include "burin/base/limits.h"
 
 namespace burin {
 namespace {

@@ -15,8 +15,8 @@
 #include <functional>
 #include <vector>
 
-#include "burin/scene/bench.h"
 #include "burin/base/progress.h"
+#include "burin/scene/bench.h"
 #include "burin/scene/scratches.h"
 
 namespace burin {

@@ -9,8 +9,8 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "burin/optimize/toolpath/carving_order.h"
 #include "burin/optimize/machine_profile.h"
+#include "burin/optimize/toolpath/carving_order.h"
 #include "burin/scene/scratches.h"
 
 namespace burin {

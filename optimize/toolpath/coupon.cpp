@@ -9,9 +9,9 @@
 #include <random>
 #include <utility>
 
-#include "burin/optimize/toolpath/label.h"
 #include "burin/base/error.h"
 #include "burin/base/files/decimals.h"
+#include "burin/optimize/toolpath/label.h"
 #include "burin/scene/groove.h"
 #include "burin/scene/keep_out.h"
 #include "burin/scene/physical_bounds.h"

@@ -11,10 +11,10 @@
 #include <string>
 #include <vector>
 
+#include "burin/base/finding.h"
 #include "burin/optimize/machine_profile.h"
 #include "burin/scene/board.h"
 #include "burin/scene/coupon.h"
-#include "burin/base/finding.h"
 #include "burin/scene/scratches.h"
 
 namespace burin {

@@ -8,13 +8,13 @@
 #include <span>
 #include <utility>
 
-#include "burin/optimize/toolpath/carving_time.h"
-#include "burin/optimize/toolpath/gcode_line.h"
-#include "burin/optimize/toolpath/release_check.h"
-#include "burin/optimize/duration.h"
 #include "burin/base/error.h"
 #include "burin/base/files/decimals.h"
 #include "burin/base/files/json_file.h"
+#include "burin/optimize/duration.h"
+#include "burin/optimize/toolpath/carving_time.h"
+#include "burin/optimize/toolpath/gcode_line.h"
+#include "burin/optimize/toolpath/release_check.h"
 
 namespace burin {
 namespace {

@@ -7,9 +7,9 @@
 #include <string_view>
 #include <vector>
 
+#include "burin/optimize/machine_profile.h"
 #include "burin/optimize/toolpath/planned_path.h"
 #include "burin/optimize/toolpath/toolpath_check.h"
-#include "burin/optimize/machine_profile.h"
 
 namespace burin {
 

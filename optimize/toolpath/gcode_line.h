@@ -1,5 +1,5 @@
-// burin/optimize/toolpath/gcode_line.h - one line of G-code, read as strictly as the pickiest controller of its dialect,
-// and words from outside made safe for it.
+// burin/optimize/toolpath/gcode_line.h - one line of G-code, read as strictly as the pickiest controller of its
+// dialect, and words from outside made safe for it.
 //
 // What a controller would misread is refused here: bytes that are not printable ASCII, lines that do not fit its
 // buffer, comments that are not closed, that nest or that it executes (LinuxCNC's LOG, PROBEOPEN, PY), exponents,

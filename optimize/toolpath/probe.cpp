@@ -5,11 +5,11 @@
 #include <cmath>
 #include <optional>
 
-#include "burin/optimize/toolpath/carving_limits.h"
-#include "burin/optimize/toolpath/gcode_line.h"
 #include "burin/base/error.h"
 #include "burin/base/files/decimals.h"
 #include "burin/base/files/table.h"
+#include "burin/optimize/toolpath/carving_limits.h"
+#include "burin/optimize/toolpath/gcode_line.h"
 #include "burin/scene/keep_out.h"
 
 namespace burin {

@@ -13,11 +13,11 @@
 #include <string_view>
 #include <vector>
 
+#include "burin/base/finding.h"
+#include "burin/optimize/machine_profile.h"
 #include "burin/optimize/toolpath/height_map.h"
 #include "burin/optimize/toolpath/workpiece.h"
-#include "burin/optimize/machine_profile.h"
 #include "burin/scene/board.h"
-#include "burin/base/finding.h"
 
 namespace burin {
 

@@ -8,9 +8,9 @@
 #include <optional>
 #include <vector>
 
+#include "burin/base/error.h"
 #include "burin/optimize/toolpath/gcode_line.h"
 #include "burin/optimize/toolpath/release_check.h"
-#include "burin/base/error.h"
 
 namespace burin {
 namespace {

@@ -5,8 +5,8 @@
 #include <string>
 #include <string_view>
 
-#include "burin/optimize/toolpath/probe.h"
 #include "burin/optimize/machine_profile.h"
+#include "burin/optimize/toolpath/probe.h"
 
 namespace burin {
 

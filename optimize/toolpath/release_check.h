@@ -19,9 +19,9 @@
 #include <string_view>
 #include <vector>
 
+#include "burin/base/finding.h"
 #include "burin/optimize/toolpath/toolpath_check.h"
 #include "burin/optimize/toolpath/workpiece.h"
-#include "burin/base/finding.h"
 
 namespace burin {
 

@@ -5,12 +5,12 @@
 #include <string>
 #include <vector>
 
+#include "burin/base/finding.h"
+#include "burin/optimize/machine_profile.h"
 #include "burin/optimize/toolpath/face.h"
 #include "burin/optimize/toolpath/planned_path.h"
-#include "burin/optimize/machine_profile.h"
 #include "burin/scene/bench.h"
 #include "burin/scene/board.h"
-#include "burin/base/finding.h"
 
 namespace burin {
 

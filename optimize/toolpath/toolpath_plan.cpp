@@ -6,12 +6,12 @@
 #include <utility>
 #include <vector>
 
+#include "burin/base/error.h"
+#include "burin/base/files/decimals.h"
 #include "burin/optimize/toolpath/carving_time.h"
 #include "burin/optimize/toolpath/ends.h"
 #include "burin/optimize/toolpath/sheet.h"
 #include "burin/optimize/toolpath/toolpath_check.h"
-#include "burin/base/error.h"
-#include "burin/base/files/decimals.h"
 #include "burin/scene/parameter_name.h"
 
 namespace burin {

@@ -9,13 +9,13 @@
 #include <string_view>
 #include <vector>
 
+#include "burin/base/progress.h"
+#include "burin/optimize/machine_profile.h"
 #include "burin/optimize/toolpath/carving_limits.h"
 #include "burin/optimize/toolpath/height_map.h"
 #include "burin/optimize/toolpath/planned_path.h"
-#include "burin/optimize/machine_profile.h"
 #include "burin/scene/bench.h"
 #include "burin/scene/board.h"
-#include "burin/base/progress.h"
 #include "burin/scene/scratches.h"
 
 namespace burin {
@@ -43,10 +43,10 @@ struct ToolpathOptions {
 CarvingLimits toolpath_limits(const Board& board, const Bench* measured, const MachineProfile& machine);
 
 /// Orders and compensates what is not carved yet. `measured` may be null. Throws Error when there is nothing to carve,
-/// for a scratch that breaks the rules of the board and the machine (burin/optimize/toolpath/carving_limits.h; judged as
-/// the machine will carve it, on its steps), and for one whose compensated ends the machine cannot reach; each is named
-/// by its row. Depths count from the face that is to be followed, else from z = 0; a scratch that leaves the height
-/// map, and a depth beyond the machine's table, are Errors too.
+/// for a scratch that breaks the rules of the board and the machine (burin/optimize/toolpath/carving_limits.h; judged
+/// as the machine will carve it, on its steps), and for one whose compensated ends the machine cannot reach; each is
+/// named by its row. Depths count from the face that is to be followed, else from z = 0; a scratch that leaves the
+/// height map, and a depth beyond the machine's table, are Errors too.
 Toolpath plan_toolpath(const Scratches& scratches, const Board& board, const Bench* measured,
                        const MachineProfile& machine, const ToolpathOptions& options = {},
                        const Progress& progress = {});

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "burin/optimize/toolpath/face.h"
 #include "burin/optimize/machine_profile.h"
+#include "burin/optimize/toolpath/face.h"
 #include "burin/scene/bench.h"
 #include "burin/scene/board.h"
 

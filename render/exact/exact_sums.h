@@ -11,8 +11,8 @@
 #include "burin/render/fast/pairs.h"
 #include "burin/render/groove_sums.h"
 #include "burin/render/pixel_shading.h"
-#include "burin/scene/scratches.h"
 #include "burin/render/view_scene.h"
+#include "burin/scene/scratches.h"
 
 namespace burin {
 

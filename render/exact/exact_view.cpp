@@ -7,8 +7,8 @@
 #include <cmath>
 #include <string>
 
-#include "burin/render/brdf.h"
 #include "burin/base/error.h"
+#include "burin/render/brdf.h"
 #include "burin/render/exact/scratch_pair.h"
 
 namespace burin {

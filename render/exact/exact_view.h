@@ -9,13 +9,13 @@
 #include <span>
 #include <vector>
 
+#include "burin/base/image.h"
 #include "burin/render/exact/scratch_pair.h"
 #include "burin/render/fast/pairs.h"
-#include "burin/base/image.h"
 #include "burin/render/pixel_shading.h"
+#include "burin/render/view_scene.h"
 #include "burin/scene/scratch_gradients.h"
 #include "burin/scene/scratches.h"
-#include "burin/render/view_scene.h"
 
 namespace burin {
 

@@ -12,9 +12,9 @@
 #include <memory>
 #include <vector>
 
-#include "burin/scene/board.h"
 #include "burin/render/footprint/footprint_integral.h"
 #include "burin/render/footprint/profile_integral.h"
+#include "burin/scene/board.h"
 #include "burin/scene/groove_profile.h"
 #include "burin/scene/scratches.h"
 

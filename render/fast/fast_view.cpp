@@ -8,16 +8,16 @@
 #include <utility>
 
 #include "burin/base/error.h"
+#include "burin/base/machine_clones.h"
 #include "burin/render/exact/exact_view.h"
 #include "burin/render/fast/curve_kernel.h"
 #include "burin/render/fast/groove_strips.h"
 #include "burin/render/fast/grow.h"
 #include "burin/render/fast/lamp_curves.h"
-#include "burin/base/machine_clones.h"
 #include "burin/render/fast/render_workspace.h"
-#include "burin/scene/groove.h"
 #include "burin/render/pixel_shading.h"
 #include "burin/render/scene_parts.h"
+#include "burin/scene/groove.h"
 
 namespace burin {
 

@@ -12,14 +12,14 @@
 #include <memory>
 #include <vector>
 
+#include "burin/base/image.h"
+#include "burin/base/simd_width.h"
 #include "burin/render/fast/curve_tables.h"
 #include "burin/render/fast/pixel_slopes.h"
 #include "burin/render/fast/tile_kernel.h"
-#include "burin/base/image.h"
+#include "burin/render/view_scene.h"
 #include "burin/scene/scratch_gradients.h"
 #include "burin/scene/scratches.h"
-#include "burin/base/simd_width.h"
-#include "burin/render/view_scene.h"
 
 namespace burin {
 

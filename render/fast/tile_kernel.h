@@ -26,8 +26,8 @@
 #include <span>
 #include <vector>
 
-#include "burin/render/fast/tile.h"
 #include "burin/base/simd_width.h"
+#include "burin/render/fast/tile.h"
 
 namespace burin {
 

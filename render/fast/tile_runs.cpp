@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "burin/render/fast/grow.h"
 #include "burin/base/machine_clones.h"
+#include "burin/render/fast/grow.h"
 
 namespace burin {
 namespace {

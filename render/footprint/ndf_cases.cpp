@@ -7,9 +7,9 @@
 #include <limits>
 #include <numbers>
 
-#include "burin/render/brdf.h"
 #include "burin/base/error.h"
 #include "burin/base/files/table.h"
+#include "burin/render/brdf.h"
 
 namespace burin {
 namespace {

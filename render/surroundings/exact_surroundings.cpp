@@ -12,15 +12,15 @@
 #include <type_traits>
 #include <utility>
 
+#include "burin/base/machine_clones.h"
 #include "burin/render/exact/exact_view.h"
 #include "burin/render/exact/scratch_pair.h"
-#include "burin/base/machine_clones.h"
 #include "burin/render/fast/pairs.h"
-#include "burin/scene/groove.h"
 #include "burin/render/surroundings/face_light.h"
 #include "burin/render/surroundings/facet_table.h"
 #include "burin/render/surroundings/groove_light.h"
 #include "burin/render/surroundings/table_range.h"
+#include "burin/scene/groove.h"
 
 namespace burin {
 namespace {

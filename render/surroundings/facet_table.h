@@ -14,10 +14,10 @@
 #include <cstddef>
 #include <vector>
 
-#include "burin/scene/far_light.h"
-#include "burin/scene/light.h"
 #include "burin/render/surroundings/lagrange_cubic.h"
 #include "burin/render/view_scene.h"
+#include "burin/scene/far_light.h"
+#include "burin/scene/light.h"
 
 namespace burin {
 

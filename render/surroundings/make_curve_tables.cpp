@@ -8,9 +8,9 @@
 #include <limits>
 #include <numbers>
 
+#include "burin/base/machine_clones.h"
 #include "burin/render/fast/groove_strips.h"
 #include "burin/render/fast/lamp_curves.h"
-#include "burin/base/machine_clones.h"
 #include "burin/render/fast/tile.h"
 #include "burin/render/surroundings/groove_light.h"
 

@@ -5,9 +5,9 @@
 #include <numbers>
 #include <xsimd/xsimd.hpp>
 
+#include "burin/render/pixel_shading.h"
 #include "burin/scene/far_light.h"
 #include "burin/scene/lamp_size.h"
-#include "burin/render/pixel_shading.h"
 
 namespace burin {
 namespace {

@@ -7,8 +7,8 @@
 #include <functional>
 #include <vector>
 
-#include "burin/scene/light.h"
 #include "burin/render/view_scene.h"
+#include "burin/scene/light.h"
 
 namespace burin {
 

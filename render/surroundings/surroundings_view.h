@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "burin/base/image.h"
+#include "burin/render/view_scene.h"
 #include "burin/scene/light.h"
 #include "burin/scene/scratch_gradients.h"
 #include "burin/scene/scratches.h"
-#include "burin/render/view_scene.h"
 
 namespace burin {
 

@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "burin/scene/scratches.h"
 #include "burin/render/view_scene.h"
+#include "burin/scene/scratches.h"
 
 namespace burin {
 

@@ -3,8 +3,8 @@
 
 #include <optional>
 
-#include "burin/scene/bend.h"
 #include "burin/base/files/json_file.h"
+#include "burin/scene/bend.h"
 
 namespace burin {
 

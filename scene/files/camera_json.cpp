@@ -4,7 +4,7 @@
 #include <string>
 
 #include "burin/base/files/input_file.h"
-#include "burin/pictures/picture_file.h"
+#include "burin/base/image.h"
 #include "burin/base/limits.h"
 #include "burin/scene/look_at.h"
 

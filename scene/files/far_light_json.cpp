@@ -5,8 +5,9 @@
 #include <utility>
 
 #include "burin/base/error.h"
-#include "burin/scene/far_light.h"
 #include "burin/base/image.h"
+#include "burin/pictures/picture.h"
+#include "burin/scene/far_light.h"
 
 namespace burin {
 namespace {

@@ -17,11 +17,11 @@
 #include <string>
 #include <vector>
 
-#include "burin/optimize/toolpath/ends.h"
 #include "burin/optimize/design/bright_part.h"
 #include "burin/optimize/design/glint.h"
 #include "burin/optimize/loss/adam.h"
 #include "burin/optimize/loss/loss.h"
+#include "burin/optimize/toolpath/ends.h"
 #include "tests/allocations.h"
 #include "tests/bench/paper_scene.h"
 

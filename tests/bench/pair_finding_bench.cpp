@@ -19,9 +19,9 @@
 #include <utility>
 #include <vector>
 
-#include "burin/scene/embree_rays.h"
 #include "burin/render/fast/pairs.h"
 #include "burin/render/fast/strip_runs.h"
+#include "burin/scene/embree_rays.h"
 #include "tests/bench/paper_scene.h"
 #include "tests/render/quadrilaterals.h"
 

@@ -12,8 +12,8 @@
 #include <numbers>
 #include <random>
 
-#include "burin/scene/far_light.h"
 #include "burin/render/view_renderer.h"
+#include "burin/scene/far_light.h"
 #include "tests/bench/paper_scene.h"
 
 namespace burin {

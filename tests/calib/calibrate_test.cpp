@@ -14,6 +14,7 @@
 #include <sstream>
 
 #include "burin/base/error.h"
+#include "burin/pictures/picture.h"
 #include "tests/calib/rig_truth.h"
 
 namespace burin {

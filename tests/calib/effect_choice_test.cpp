@@ -1,5 +1,5 @@
 // What is proved: no cross-section is credited with what the paper's lacks to its own end. Not proved here: that those
-// which are there are found (refine_burrs_test, tools/random-benches --departures).
+// which are there are found (refine_burrs_test, scripts/random-benches --departures).
 #include "burin/calib/photo/effect_choice.h"
 
 #include <gtest/gtest.h>

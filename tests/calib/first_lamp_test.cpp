@@ -12,9 +12,9 @@
 #include "burin/calib/light/photo_faults.h"
 #include "burin/capture/photo.h"
 #include "burin/capture/session.h"
-#include "burin/simulate/simulated_camera.h"
 #include "burin/scene/blur.h"
 #include "burin/scene/scratches.h"
+#include "burin/simulate/simulated_camera.h"
 #include "tests/calib/photographed_board.h"
 #include "tests/temporary_folder.h"
 

@@ -9,7 +9,7 @@
 #include "burin/calib/photo/photo_fit.h"
 #include "burin/calib/photo/photo_problem.h"
 #include "burin/calib/photo/photo_weights.h"
-#include "burin/scene/glare.h"
+#include "burin/capture/glare.h"
 #include "tests/calib/small_grooves.h"
 
 namespace burin {

@@ -3,7 +3,7 @@
 // pixel back to where the picture was taken from, with all else, although nobody told which was wrong; and a number
 // that photos push beyond its bounds is left there by steps and fits, the others at their best beside it; and a number
 // that photos do not tell is not moved by what rounding says of it. Not proved: that real corners are as good as their
-// RMS says (tools/random-benches).
+// RMS says (scripts/random-benches).
 #include "burin/calib/geometry/geometry_prior.h"
 
 #include <gtest/gtest.h>

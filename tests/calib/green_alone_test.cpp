@@ -1,7 +1,7 @@
 // What is proved, on photos predicted from known grooves whose green lacks light where they are brightest: half the
 // shift that is foretold is half of what a fit to green alone makes of the answer, and where all colors tell the same
 // nothing moves.
-// Not proved: how much of a glint's light JPEGs of a mosaic lose; tools/random-benches --departures mosaic measures
+// Not proved: how much of a glint's light JPEGs of a mosaic lose; scripts/random-benches --departures mosaic measures
 // what comes of it.
 #include "burin/calib/verdict/green_alone.h"
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "burin/base/median.h"
 #include "burin/calib/light/light_samples.h"
 #include "burin/calib/photo/bench_unknowns.h"
 #include "burin/calib/photo/machine_map.h"
@@ -15,7 +16,6 @@
 #include "burin/calib/verdict/half_samples.h"
 #include "burin/calib/verdict/identifiability.h"
 #include "burin/calib/verdict/photo_uncertainty.h"
-#include "burin/base/median.h"
 #include "tests/calib/rig_bench.h"
 
 namespace burin {

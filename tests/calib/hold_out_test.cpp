@@ -7,8 +7,8 @@
 
 #include <random>
 
-#include "burin/calib/verdict/candidate_photo.h"
 #include "burin/base/error.h"
+#include "burin/calib/verdict/candidate_photo.h"
 
 namespace burin {
 namespace {

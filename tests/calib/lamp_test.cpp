@@ -14,11 +14,11 @@
 #include <numbers>
 #include <vector>
 
+#include "burin/base/error.h"
 #include "burin/calib/light/lamp_model.h"
 #include "burin/calib/light/light_samples.h"
 #include "burin/capture/photo.h"
 #include "burin/capture/tags/tag_family.h"
-#include "burin/base/error.h"
 #include "burin/scene/parameter_name.h"
 #include "tests/calib/rig_bench.h"
 

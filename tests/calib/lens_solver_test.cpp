@@ -20,9 +20,10 @@
 #endif
 #include <random>
 
-#include "burin/calib/geometry/chessboard.h"
 #include "burin/base/error.h"
 #include "burin/base/image.h"
+#include "burin/calib/geometry/chessboard.h"
+#include "burin/pictures/picture.h"
 #include "tests/temporary_folder.h"
 
 namespace burin {

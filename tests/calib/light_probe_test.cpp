@@ -9,9 +9,9 @@
 #include <memory>
 #include <random>
 
+#include "burin/base/error.h"
 #include "burin/calib/light/probe/fill_unseen.h"
 #include "burin/calib/light/probe/probe_session.h"
-#include "burin/base/error.h"
 #include "burin/scene/far_light.h"
 #include "tests/calib/mirror_ball_photos.h"
 #include "tests/temporary_folder.h"

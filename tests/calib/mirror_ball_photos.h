@@ -16,10 +16,10 @@
 #include <string>
 #include <vector>
 
+#include "burin/base/image.h"
 #include "burin/capture/session.h"
 #include "burin/capture/tags/tag_family.h"
 #include "burin/scene/board.h"
-#include "burin/base/image.h"
 #include "burin/scene/lens.h"
 #include "burin/scene/sensor.h"
 

@@ -1,8 +1,8 @@
 // What is proved: the sigmas that a plan promises are the scatter of solves of such photos (fresh noise on the corners,
 // the whole bundle solved again); they never grow with a shot more; a bench without a place at the grooves' cut-off is
 // told so and its depth counts as unknown; places come out in words that a ruler can follow.
-// Not proved: that light's promised sigmas are those of real photos; docs/calibration.md compares them on photographed
-// benches.
+// Not proved: that light's promised sigmas are those of real photos; docs/results/calibration.md compares them on
+// photographed benches.
 #include "burin/calib/plan.h"
 
 #include <gtest/gtest.h>
@@ -10,9 +10,9 @@
 #include <cmath>
 #include <random>
 
+#include "burin/base/error.h"
 #include "burin/calib/geometry/bundle.h"
 #include "burin/calib/verdict/candidate_photo.h"
-#include "burin/base/error.h"
 
 namespace burin {
 namespace {

@@ -7,12 +7,12 @@
 #include <utility>
 #include <vector>
 
+#include "burin/base/files/json_file.h"
 #include "burin/calib/calibrate.h"
 #include "burin/calib/refine.h"
 #include "burin/capture/session.h"
-#include "burin/simulate/simulated_camera.h"
-#include "burin/base/files/json_file.h"
 #include "burin/scene/scratches.h"
+#include "burin/simulate/simulated_camera.h"
 #include "tests/places.h"
 #include "tests/temporary_folder.h"
 

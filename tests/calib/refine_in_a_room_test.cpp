@@ -6,15 +6,16 @@
 #include <cmath>
 #include <numbers>
 
+#include "burin/base/error.h"
 #include "burin/calib/calibrate.h"
 #include "burin/calib/hold_out.h"
 #include "burin/calib/refine.h"
 #include "burin/capture/session.h"
-#include "burin/simulate/simulated_camera.h"
-#include "burin/base/error.h"
+#include "burin/pictures/picture.h"
 #include "burin/scene/far_light.h"
 #include "burin/scene/parameter_name.h"
 #include "burin/scene/scratches.h"
+#include "burin/simulate/simulated_camera.h"
 #include "tests/calib/photographed_board.h"
 #include "tests/temporary_folder.h"
 

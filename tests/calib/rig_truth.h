@@ -11,9 +11,10 @@
 #include <string>
 #include <vector>
 
+#include "burin/base/image.h"
+#include "burin/pictures/picture.h"
 #include "burin/scene/bench.h"
 #include "burin/scene/board.h"
-#include "burin/base/image.h"
 #include "burin/scene/surface.h"
 
 namespace burin {

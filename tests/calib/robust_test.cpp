@@ -14,10 +14,11 @@
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "burin/base/image.h"
 #include "burin/calib/calibrate.h"
 #include "burin/capture/photo.h"
+#include "burin/pictures/picture.h"
 #include "burin/simulate/simulated_camera.h"
-#include "burin/base/image.h"
 #include "tests/capture/small_truth.h"
 
 namespace burin {

@@ -1,6 +1,6 @@
 // What is proved: of grooves photographed under a spot and fitted with a bare lamp, photos ask for the spot, and lamp
 // and fall-off come out as they were; of those under a bare lamp they do not, and nothing is moved. The photos are the
-// model's own, with noise: that real misfits do not look like spots is tools/random-benches' to show.
+// model's own, with noise: that real misfits do not look like spots is scripts/random-benches' to show.
 #include "burin/calib/photo/spot_choice.h"
 
 #include <gtest/gtest.h>

@@ -9,9 +9,9 @@
 #include "burin/calib/photo/stray_light.h"
 #include "burin/calib/refine.h"
 #include "burin/capture/session.h"
-#include "burin/simulate/simulated_camera.h"
 #include "burin/scene/parameter_name.h"
 #include "burin/scene/scratches.h"
+#include "burin/simulate/simulated_camera.h"
 #include "tests/calib/photographed_board.h"
 #include "tests/temporary_folder.h"
 

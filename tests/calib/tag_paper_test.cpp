@@ -2,10 +2,10 @@
 // the paper, on keep-outs (a clamp, a hole) and beyond the board.
 #include <gtest/gtest.h>
 
+#include "burin/base/error.h"
 #include "burin/calib/light/light_samples.h"
 #include "burin/capture/tags/tag_family.h"
 #include "burin/scene/board.h"
-#include "burin/base/error.h"
 
 namespace burin {
 namespace {

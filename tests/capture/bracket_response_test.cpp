@@ -10,6 +10,7 @@
 #include <string>
 
 #include "burin/base/image.h"
+#include "burin/pictures/picture.h"
 #include "tests/temporary_folder.h"
 
 namespace burin {

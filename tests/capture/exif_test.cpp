@@ -9,8 +9,8 @@
 #include <filesystem>
 #include <fstream>
 
-#include "burin/simulate/simulated_camera.h"
 #include "burin/base/error.h"
+#include "burin/simulate/simulated_camera.h"
 #include "tests/capture/small_truth.h"
 
 namespace burin {

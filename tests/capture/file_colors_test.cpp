@@ -12,10 +12,11 @@
 #include <random>
 #include <vector>
 
-#include "burin/capture/exif.h"
-#include "burin/capture/photo.h"
 #include "burin/base/error.h"
 #include "burin/base/image.h"
+#include "burin/capture/exif.h"
+#include "burin/capture/photo.h"
+#include "burin/pictures/picture.h"
 #include "tests/temporary_folder.h"
 
 namespace burin {

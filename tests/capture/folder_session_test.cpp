@@ -18,10 +18,10 @@
 #include <numbers>
 #include <random>
 
-#include "burin/capture/preflight.h"
-#include "burin/simulate/simulated_camera.h"
-#include "burin/scene/board.h"
 #include "burin/base/error.h"
+#include "burin/capture/preflight.h"
+#include "burin/scene/board.h"
+#include "burin/simulate/simulated_camera.h"
 #include "tests/capture/small_truth.h"
 
 namespace burin {

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "burin/capture/photo.h"
+#include "burin/pictures/picture.h"
 #include "burin/simulate/camera_truth.h"
 #include "tests/temporary_folder.h"
 

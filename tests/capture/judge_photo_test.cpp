@@ -10,9 +10,9 @@
 #include <cmath>
 #include <fstream>
 
+#include "burin/base/error.h"
 #include "burin/capture/session.h"
 #include "burin/simulate/bench_truth.h"
-#include "burin/base/error.h"
 #include "tests/drawn_photo.h"
 #include "tests/places.h"
 #include "tests/temporary_folder.h"

@@ -14,11 +14,12 @@
 #include <string>
 #include <vector>
 
+#include "burin/base/error.h"
+#include "burin/base/image.h"
 #include "burin/capture/exif.h"
 #include "burin/capture/photo.h"
 #include "burin/capture/photo_source.h"
-#include "burin/base/error.h"
-#include "burin/base/image.h"
+#include "burin/pictures/picture.h"
 #include "tests/temporary_folder.h"
 
 namespace burin {

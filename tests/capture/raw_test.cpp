@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
+#include "burin/base/error.h"
 #include "burin/capture/exif.h"
 #include "burin/capture/photo.h"
-#include "burin/base/error.h"
 #include "tests/drawn_dng.h"
 #include "tests/temporary_folder.h"
 

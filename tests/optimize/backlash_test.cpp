@@ -2,8 +2,8 @@
 // wanted, whichever way it is carved in the order that the path chose.
 #include <gtest/gtest.h>
 
-#include "burin/optimize/toolpath/toolpath_plan.h"
 #include "burin/optimize/machine_profile.h"
+#include "burin/optimize/toolpath/toolpath_plan.h"
 #include "burin/scene/carve.h"
 #include "tests/optimize/carving_bench.h"
 

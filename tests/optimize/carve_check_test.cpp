@@ -9,9 +9,9 @@
 #include <cmath>
 #include <random>
 
-#include "burin/optimize/toolpath.h"
 #include "burin/base/error.h"
 #include "burin/base/files/json_file.h"
+#include "burin/optimize/toolpath.h"
 #include "tests/temporary_folder.h"
 
 namespace burin {

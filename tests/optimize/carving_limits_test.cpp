@@ -10,8 +10,8 @@
 #include <numbers>
 #include <random>
 
-#include "burin/optimize/toolpath/groove_pairs.h"
 #include "burin/base/error.h"
+#include "burin/optimize/toolpath/groove_pairs.h"
 #include "burin/scene/groove.h"
 #include "burin/scene/keep_out.h"
 #include "tests/temporary_folder.h"

@@ -14,6 +14,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "burin/base/error.h"
+#include "burin/base/files/json_file.h"
 #include "burin/optimize/design.h"
 #include "burin/optimize/design/design_output.h"
 #include "burin/optimize/design/design_start.h"
@@ -21,9 +23,8 @@
 #include "burin/optimize/design/direction_light.h"
 #include "burin/optimize/loss/color_metrics.h"
 #include "burin/optimize/loss/picture_metrics.h"
-#include "burin/base/error.h"
+#include "burin/pictures/picture.h"
 #include "burin/scene/far_light.h"
-#include "burin/base/files/json_file.h"
 #include "tests/optimize/color_rig.h"
 
 namespace burin {

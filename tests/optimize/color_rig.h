@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 
+#include "burin/base/error.h"
 #include "burin/optimize/design.h"
 #include "burin/optimize/design/design_start.h"
 #include "burin/optimize/design/design_views.h"
-#include "burin/base/error.h"
 #include "tests/temporary_folder.h"
 
 namespace burin {

@@ -13,12 +13,12 @@
 #include <set>
 #include <sstream>
 
-#include "burin/optimize/toolpath/carving_limits.h"
-#include "burin/optimize/toolpath/label.h"
+#include "burin/base/error.h"
 #include "burin/optimize/machine_measured.h"
 #include "burin/optimize/toolpath.h"
+#include "burin/optimize/toolpath/carving_limits.h"
+#include "burin/optimize/toolpath/label.h"
 #include "burin/optimize/write_measured_machine.h"
-#include "burin/base/error.h"
 #include "tests/temporary_folder.h"
 
 namespace burin {

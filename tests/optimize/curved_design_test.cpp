@@ -11,12 +11,12 @@
 #include <numbers>
 #include <numeric>
 
+#include "burin/base/error.h"
 #include "burin/optimize/design.h"
 #include "burin/optimize/design/collisions.h"
 #include "burin/optimize/design/curved_views.h"
 #include "burin/optimize/design/glint.h"
 #include "burin/scene/board_mesh.h"
-#include "burin/base/error.h"
 #include "tests/places.h"
 #include "tests/temporary_folder.h"
 

@@ -10,10 +10,10 @@
 #include <random>
 #include <sstream>
 
+#include "burin/base/error.h"
+#include "burin/optimize/toolpath.h"
 #include "burin/optimize/toolpath/sheet.h"
 #include "burin/optimize/toolpath/toolpath_check.h"
-#include "burin/optimize/toolpath.h"
-#include "burin/base/error.h"
 #include "burin/scene/parameter_name.h"
 #include "tests/optimize/carving_bench.h"
 #include "tests/temporary_folder.h"

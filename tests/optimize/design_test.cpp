@@ -13,12 +13,13 @@
 #include <filesystem>
 #include <string_view>
 
-#include "burin/optimize/toolpath/carving_order.h"
-#include "burin/optimize/toolpath/carving_time.h"
-#include "burin/optimize/design/design_output.h"
-#include "burin/optimize/design/picture_pixels.h"
 #include "burin/base/error.h"
 #include "burin/base/files/json_file.h"
+#include "burin/optimize/design/design_output.h"
+#include "burin/optimize/design/picture_pixels.h"
+#include "burin/optimize/toolpath/carving_order.h"
+#include "burin/optimize/toolpath/carving_time.h"
+#include "burin/pictures/picture.h"
 #include "tests/temporary_folder.h"
 
 namespace burin {

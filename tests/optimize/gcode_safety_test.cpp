@@ -3,10 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "burin/optimize/toolpath/gcode_line.h"
-#include "burin/optimize/toolpath.h"
 #include "burin/base/error.h"
 #include "burin/base/files/json_file.h"
+#include "burin/optimize/toolpath.h"
+#include "burin/optimize/toolpath/gcode_line.h"
 #include "tests/optimize/carving_bench.h"
 #include "tests/reliability/gcode_fuzz.h"
 #include "tests/reliability/strict_gcode.h"

@@ -8,9 +8,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "burin/base/error.h"
 #include "burin/optimize/design/glint_check.h"
 #include "burin/render/brdf.h"
-#include "burin/base/error.h"
 #include "burin/scene/groove.h"
 
 namespace burin {

@@ -6,11 +6,11 @@
 #include <numbers>
 #include <set>
 
+#include "burin/base/error.h"
 #include "burin/optimize/design/glint.h"
 #include "burin/optimize/design/glint_check.h"
 #include "burin/optimize/layout/tag_layout.h"
 #include "burin/optimize/layout/view_places.h"
-#include "burin/base/error.h"
 #include "tests/temporary_folder.h"
 
 namespace burin {

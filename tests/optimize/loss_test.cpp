@@ -13,9 +13,9 @@
 #include <random>
 #include <vector>
 
+#include "burin/base/error.h"
 #include "burin/optimize/loss/adam.h"
 #include "burin/optimize/loss/gram_term.h"
-#include "burin/base/error.h"
 #include "tests/allocations.h"
 
 namespace burin {

@@ -5,8 +5,8 @@
 
 #include <cmath>
 
-#include "burin/optimize/loss/loss.h"
 #include "burin/base/error.h"
+#include "burin/optimize/loss/loss.h"
 
 namespace burin {
 namespace {

@@ -13,8 +13,8 @@
 #include <functional>
 #include <sstream>
 
-#include "burin/optimize/toolpath/probe_check.h"
 #include "burin/base/error.h"
+#include "burin/optimize/toolpath/probe_check.h"
 #include "tests/temporary_folder.h"
 
 namespace burin {

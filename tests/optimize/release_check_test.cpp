@@ -8,11 +8,11 @@
 #include <cmath>
 #include <random>
 
-#include "burin/optimize/toolpath/probe.h"
-#include "burin/optimize/toolpath/probe_check.h"
-#include "burin/optimize/toolpath.h"
 #include "burin/base/error.h"
 #include "burin/base/files/json_file.h"
+#include "burin/optimize/toolpath.h"
+#include "burin/optimize/toolpath/probe.h"
+#include "burin/optimize/toolpath/probe_check.h"
 #include "tests/temporary_folder.h"
 
 namespace burin {

@@ -9,10 +9,11 @@
 #include <filesystem>
 #include <numbers>
 
-#include "burin/optimize/design_file.h"
-#include "burin/render/brdf.h"
 #include "burin/base/error.h"
 #include "burin/base/files/json_file.h"
+#include "burin/optimize/design_file.h"
+#include "burin/pictures/picture.h"
+#include "burin/render/brdf.h"
 #include "tests/temporary_folder.h"
 
 namespace burin {

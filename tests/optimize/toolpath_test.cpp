@@ -14,8 +14,8 @@
 #include <regex>
 #include <sstream>
 
-#include "burin/optimize/toolpath/toolpath_check.h"
 #include "burin/base/error.h"
+#include "burin/optimize/toolpath/toolpath_check.h"
 #include "burin/scene/parameter_name.h"
 #include "tests/optimize/carving_bench.h"
 #include "tests/temporary_folder.h"

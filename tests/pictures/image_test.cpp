@@ -1,6 +1,7 @@
 // Proves: pictures go to disk and back within their format's rounding, alpha lies over white, resizing keeps the mean,
 // and files that are no pictures are named.
 #include "burin/base/image.h"
+#include "burin/pictures/picture.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -16,6 +16,7 @@
 #include "burin/base/image.h"
 #include "burin/base/limits.h"
 #include "burin/pictures/linear_picture.h"
+#include "burin/pictures/picture.h"
 #include "tests/temporary_folder.h"
 
 namespace burin {

@@ -13,8 +13,9 @@
 #include <vector>
 
 #include "burin/base/error.h"
-#include "burin/pictures/picture_file.h"
 #include "burin/base/image.h"
+#include "burin/pictures/picture.h"
+#include "burin/pictures/picture_file.h"
 #include "tests/temporary_folder.h"
 
 namespace burin {

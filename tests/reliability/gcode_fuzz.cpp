@@ -12,6 +12,7 @@
 #include <random>
 #include <utility>
 
+#include "burin/base/error.h"
 #include "burin/optimize/toolpath/gcode.h"
 #include "burin/optimize/toolpath/gcode_line.h"
 #include "burin/optimize/toolpath/probe.h"
@@ -20,7 +21,6 @@
 #include "burin/optimize/toolpath/toolpath_check.h"
 #include "burin/optimize/toolpath/toolpath_plan.h"
 #include "burin/scene/bench_of_board.h"
-#include "burin/base/error.h"
 #include "tests/reliability/strict_gcode.h"
 
 namespace burin {

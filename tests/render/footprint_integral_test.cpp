@@ -18,8 +18,8 @@
 
 #include "burin/render/footprint/footprint_core.h"
 #include "burin/render/footprint/ndf_cases.h"
-#include "burin/scene/groove.h"
 #include "burin/render/view_renderer.h"
+#include "burin/scene/groove.h"
 
 namespace burin {
 namespace {

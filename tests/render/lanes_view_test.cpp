@@ -13,8 +13,8 @@
 #include <string>
 #include <vector>
 
-#include "burin/scene/blur.h"
 #include "burin/render/brdf.h"
+#include "burin/scene/blur.h"
 #include "burin/scene/groove.h"
 #include "tests/render/small_world.h"
 

@@ -10,10 +10,10 @@
 #include <string>
 #include <vector>
 
-#include "burin/scene/far_light.h"
 #include "burin/base/files/table.h"
-#include "burin/scene/groove.h"
 #include "burin/render/view_renderer.h"
+#include "burin/scene/far_light.h"
+#include "burin/scene/groove.h"
 #include "tests/places.h"
 
 namespace burin {

@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "burin/base/error.h"
-#include "burin/render/footprint/footprint_core.h"
 #include "burin/base/simd_choice.h"
+#include "burin/render/footprint/footprint_core.h"
 
 namespace burin::footprint {
 namespace {

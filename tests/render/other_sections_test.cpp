@@ -5,9 +5,9 @@
 #include <utility>
 #include <vector>
 
-#include "burin/scene/crossings.h"
-#include "burin/render/scene_parts.h"
 #include "burin/base/simd_choice.h"
+#include "burin/render/scene_parts.h"
+#include "burin/scene/crossings.h"
 #include "tests/render/small_world.h"
 
 namespace burin {

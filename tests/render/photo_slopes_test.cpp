@@ -5,10 +5,10 @@
 #include <string>
 #include <vector>
 
+#include "burin/base/simd_choice.h"
 #include "burin/render/exact/exact_sums.h"
 #include "burin/render/exact/exact_view.h"
 #include "burin/render/radiance_chain.h"
-#include "burin/base/simd_choice.h"
 #include "tests/render/small_world.h"
 
 namespace burin {

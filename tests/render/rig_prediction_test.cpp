@@ -13,8 +13,9 @@
 #include <nlohmann/json.hpp>
 #include <set>
 
-#include "burin/render/fast/pairs.h"
 #include "burin/base/image.h"
+#include "burin/pictures/picture.h"
+#include "burin/render/fast/pairs.h"
 #include "burin/render/view_renderer.h"
 #include "tests/places.h"
 

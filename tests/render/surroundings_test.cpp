@@ -13,10 +13,10 @@
 #include <vector>
 
 #include "burin/base/error.h"
-#include "burin/scene/far_light.h"
 #include "burin/base/simd_width.h"
 #include "burin/render/surroundings/seen_sources.h"
 #include "burin/render/view_renderer.h"
+#include "burin/scene/far_light.h"
 
 namespace burin {
 namespace {

@@ -11,10 +11,10 @@
 #include <string>
 
 #include "burin/base/error.h"
+#include "burin/base/simd_width.h"
 #include "burin/render/exact/exact_view.h"
 #include "burin/render/exact/scratch_pair.h"
 #include "burin/scene/groove.h"
-#include "burin/base/simd_width.h"
 #include "tests/render/expect_fast_is_exact.h"
 #include "tests/render/small_world.h"
 

@@ -5,10 +5,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "burin/scene/bench_of_board.h"
 #include "burin/base/error.h"
-#include "burin/scene/far_light.h"
 #include "burin/base/files/json_file.h"
+#include "burin/pictures/picture.h"
+#include "burin/scene/bench_of_board.h"
+#include "burin/scene/far_light.h"
 #include "burin/scene/groove.h"
 #include "tests/temporary_folder.h"
 

@@ -8,10 +8,10 @@
 
 #include <cmath>
 
+#include "burin/base/error.h"
 #include "burin/scene/bench_of_board.h"
 #include "burin/scene/board_face.h"
 #include "burin/scene/board_mesh.h"
-#include "burin/base/error.h"
 #include "tests/render/expect_fast_is_exact.h"
 #include "tests/render/small_world.h"
 #include "tests/temporary_folder.h"

@@ -4,9 +4,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "burin/base/error.h"
 #include "burin/scene/bench.h"
 #include "burin/scene/board.h"
-#include "burin/base/error.h"
 #include "burin/scene/scratches.h"
 #include "tests/temporary_folder.h"
 

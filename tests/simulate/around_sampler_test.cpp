@@ -5,11 +5,11 @@
 #include <cmath>
 #include <numbers>
 
-#include "burin/simulate/bench_truth.h"
-#include "burin/simulate/point_sampler.h"
+#include "burin/render/view_renderer.h"
 #include "burin/scene/far_light.h"
 #include "burin/scene/look_at.h"
-#include "burin/render/view_renderer.h"
+#include "burin/simulate/bench_truth.h"
+#include "burin/simulate/point_sampler.h"
 
 namespace burin {
 namespace {

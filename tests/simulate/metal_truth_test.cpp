@@ -4,11 +4,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "burin/simulate/bench_truth.h"
-#include "burin/simulate/point_sampler.h"
 #include "burin/base/cell_grid.h"
 #include "burin/base/error.h"
 #include "burin/render/view_renderer.h"
+#include "burin/simulate/bench_truth.h"
+#include "burin/simulate/point_sampler.h"
 #include "tests/capture/small_truth.h"
 
 namespace burin {

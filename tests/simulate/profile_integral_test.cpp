@@ -9,8 +9,8 @@
 #include <random>
 #include <vector>
 
-#include "burin/simulate/groove_section.h"
 #include "burin/scene/groove.h"
+#include "burin/simulate/groove_section.h"
 
 namespace burin {
 namespace {

@@ -16,11 +16,11 @@
 #include <map>
 #include <numbers>
 
-#include "burin/capture/photo.h"
-#include "burin/simulate/point_sampler.h"
-#include "burin/render/brdf.h"
 #include "burin/base/error.h"
+#include "burin/capture/photo.h"
+#include "burin/render/brdf.h"
 #include "burin/scene/groove.h"
+#include "burin/simulate/point_sampler.h"
 #include "tests/capture/small_truth.h"
 
 namespace burin {

@@ -1,6 +1,6 @@
-// `tools/bench-photos` as a person meets it: it photographs the sample, makes a session of it and enlarges the photos
+// `scripts/bench-photos` as a person meets it: it photographs the sample, makes a session of it and enlarges the photos
 // to as many megapixels as asked for, one a view; and says in a sentence what is wrong with a session that it cannot
-// use. Not proved: how long calibrate and refine take, which needs an idle machine (docs/calibration.md has the
+// use. Not proved: how long calibrate and refine take, which needs an idle machine (docs/results/calibration.md has the
 // figures).
 #include <gmock/gmock.h>
 
@@ -18,7 +18,7 @@ using ::testing::Not;
 
 Outcome bench_photos(const TemporaryFolder& folder, const std::string& arguments) {
   return run_shell(folder, "cd " + quoted(folder.path().string()) + " && " +
-                               quoted(places::source() + "/tools/bench-photos") + " --burin " +
+                               quoted(places::source() + "/scripts/bench-photos") + " --burin " +
                                quoted(places::program()) + " " + arguments);
 }
 
@@ -45,7 +45,7 @@ TEST(BenchPhotos, SaysWhatIsWrongWithASession) {
         std::pair("cut.json", "this is no JSON"), std::pair("gone.json", "gone.png")}) {
     const Outcome run = bench_photos(folder, "--session " + std::string(session));
     EXPECT_NE(run.exit_code, 0) << session;
-    EXPECT_THAT(run.err, AllOf(HasSubstr("tools/bench-photos: "), HasSubstr(what), Not(HasSubstr("Traceback"))));
+    EXPECT_THAT(run.err, AllOf(HasSubstr("scripts/bench-photos: "), HasSubstr(what), Not(HasSubstr("Traceback"))));
   }
 }
 

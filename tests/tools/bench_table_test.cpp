@@ -1,6 +1,6 @@
-// tools/bench and tools/bench-table, as a person runs them: benchmarks' JSON into tables, medians with their scatter,
-// into a page between its marks; a sentence and no half-written page where that cannot be done. Not proved here: that
-// the benchmarks are right.
+// scripts/bench and scripts/bench-table, as a person runs them: benchmarks' JSON into tables, medians with their
+// scatter, into a page between its marks; a sentence and no half-written page where that cannot be done. Not proved
+// here: that the benchmarks are right.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -38,7 +38,7 @@ std::string measured() {
 
 Outcome run_table(const TemporaryFolder& folder, const std::string& arguments) {
   return run_shell(folder, "cd " + quoted(folder.path().string()) + " && " +
-                               quoted(places::source() + "/tools/bench-table") + " " + arguments);
+                               quoted(places::source() + "/scripts/bench-table") + " " + arguments);
 }
 
 TEST(BenchTable, MediansScatterAndRatios) {
@@ -58,7 +58,7 @@ TEST(BenchTable, MediansScatterAndRatios) {
 TEST(BenchTable, WritesBetweenTheMarksAgainAndAgain) {
   const TemporaryFolder folder;
   folder.write("speed.json", measured());
-  const std::string begin = "<!-- tools/bench --docs writes from here -->", end = "<!-- to here -->";
+  const std::string begin = "<!-- scripts/bench --docs writes from here -->", end = "<!-- to here -->";
   folder.write("page.md", "before\n" + begin + "\nold numbers\n" + end + "\nafter\n");
   std::string first;
   for (int k = 0; k < 2; ++k) {
@@ -79,7 +79,8 @@ TEST(BenchTable, SaysWhatIsWrong) {
   folder.write("page.md", "no marks\n");
   Outcome run = run_table(folder, "missing.json");
   EXPECT_EQ(run.exit_code, 1);
-  EXPECT_THAT(run.err, AllOf(HasSubstr("missing.json"), HasSubstr("tools/bench --json"), Not(HasSubstr("Traceback"))));
+  EXPECT_THAT(run.err,
+              AllOf(HasSubstr("missing.json"), HasSubstr("scripts/bench --json"), Not(HasSubstr("Traceback"))));
   run = run_table(folder, "cut.json");
   EXPECT_EQ(run.exit_code, 1);
   EXPECT_THAT(run.err, AllOf(HasSubstr("cut.json"), Not(HasSubstr("Traceback"))));
@@ -93,10 +94,10 @@ TEST(BenchTable, SaysWhatIsWrong) {
 
 TEST(Bench, HelpAndWrongOptionsBeforeAnythingIsBuilt) {
   const TemporaryFolder folder;
-  const std::string bench = quoted(places::source() + "/tools/bench");
+  const std::string bench = quoted(places::source() + "/scripts/bench");
   Outcome run = run_shell(folder, bench + " --help");
   EXPECT_EQ(run.exit_code, 0);
-  EXPECT_THAT(run.out, AllOf(HasSubstr("tools/bench --docs"), HasSubstr("--json speed.json")));
+  EXPECT_THAT(run.out, AllOf(HasSubstr("scripts/bench --docs"), HasSubstr("--json speed.json")));
   run = run_shell(folder, bench + " --jsn out.json");
   EXPECT_EQ(run.exit_code, 2);
   EXPECT_THAT(run.err, AllOf(HasSubstr("--jsn"), HasSubstr("--help")));

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "burin/base/image.h"
+#include "burin/pictures/picture.h"
 #include "tests/places.h"
 #include "tests/tools/program.h"
 

@@ -47,7 +47,7 @@ TEST(CouponCommand, MeasuresAMachineWithinItsSigmas) {
   EXPECT_THAT(read.out, AllOf(HasSubstr("Wrote mine.json: a depth table of"),
                               HasSubstr("next: burin loop PROJECT_DIR --machine mine.json")));
   EXPECT_THAT(read.err, Not(HasSubstr("eight to twelve places")));
-  std::cout << read.out;  // the table of docs/calibration.md
+  std::cout << read.out;  // the table of docs/results/calibration.md
   const MachineProfile machine = machine_profile((folder / "mine.json").string());
   ASSERT_TRUE(machine.measured.has_value());
   const MachineMeasured& m = *machine.measured;

@@ -12,8 +12,8 @@
 #include <functional>
 #include <nlohmann/json.hpp>
 
-#include "burin/optimize/toolpath/carving_limits.h"
 #include "burin/optimize/machine_profile.h"
+#include "burin/optimize/toolpath/carving_limits.h"
 #include "burin/scene/board.h"
 #include "burin/scene/scratches.h"
 #include "tests/places.h"

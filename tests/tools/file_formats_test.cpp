@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "burin/capture/session.h"
-#include "burin/optimize/toolpath/height_map.h"
 #include "burin/optimize/machine_profile.h"
+#include "burin/optimize/toolpath/height_map.h"
 #include "burin/scene/coupon.h"
 #include "burin/scene/scratches.h"
 #include "tests/places.h"

@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "burin/base/image.h"
+#include "burin/pictures/picture.h"
 #include "burin/scene/lens.h"
 #include "tests/places.h"
 #include "tests/tools/program.h"

@@ -14,12 +14,12 @@
 #include <string>
 #include <vector>
 
+#include "burin/base/error.h"
 #include "burin/optimize/design_file.h"
 #include "burin/scene/bench.h"
 #include "burin/scene/bench_of_board.h"
 #include "burin/scene/board.h"
 #include "burin/scene/carve.h"
-#include "burin/base/error.h"
 #include "burin/scene/parameter_name.h"
 #include "burin/scene/scratches.h"
 #include "tests/tools/loop_bench.h"

@@ -16,14 +16,14 @@
 #include <string>
 #include <vector>
 
+#include "burin/base/files/json_file.h"
 #include "burin/capture/photo.h"
 #include "burin/capture/session.h"
-#include "burin/simulate/bench_truth.h"
-#include "burin/simulate/simulated_camera.h"
 #include "burin/optimize/design.h"
 #include "burin/optimize/loss/picture_metrics.h"
 #include "burin/optimize/toolpath.h"
-#include "burin/base/files/json_file.h"
+#include "burin/simulate/bench_truth.h"
+#include "burin/simulate/simulated_camera.h"
 #include "tests/places.h"
 #include "tests/temporary_folder.h"
 #include "tools/report/rectified.h"

@@ -9,12 +9,13 @@
 #include <filesystem>
 #include <sstream>
 
+#include "burin/base/error.h"
+#include "burin/base/image.h"
 #include "burin/optimize/design/glint.h"
 #include "burin/optimize/design/glint_check.h"
 #include "burin/optimize/design_file.h"
+#include "burin/pictures/picture.h"
 #include "burin/scene/bench_of_board.h"
-#include "burin/base/error.h"
-#include "burin/base/image.h"
 #include "tests/places.h"
 #include "tests/temporary_folder.h"
 #include "tests/tools/program.h"

@@ -12,11 +12,12 @@
 #include <fstream>
 #include <numbers>
 
+#include "burin/base/error.h"
+#include "burin/base/image.h"
 #include "burin/calib/geometry/chessboard.h"
 #include "burin/capture/tags/tag_detector.h"
 #include "burin/capture/tags/tag_family.h"
-#include "burin/base/error.h"
-#include "burin/base/image.h"
+#include "burin/pictures/picture.h"
 #include "tests/places.h"
 #include "tests/tools/program.h"
 #include "tools/drawing/pdf.h"

@@ -3,9 +3,10 @@
 // light are right is proved by tests/calib/light_probe_test.cpp.
 #include <gmock/gmock.h>
 
+#include "burin/base/files/json_file.h"
+#include "burin/pictures/picture.h"
 #include "burin/scene/bench.h"
 #include "burin/scene/far_light.h"
-#include "burin/base/files/json_file.h"
 #include "tests/calib/mirror_ball_photos.h"
 #include "tests/tools/program.h"
 

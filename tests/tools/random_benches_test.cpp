@@ -1,7 +1,7 @@
-// `tools/random-benches` as a person meets it: what it draws is a truth that `burin simulate` can photograph, the same
-// for the same seed; a bench that measured exactly the truth is told to have no error, and one that is off by five of
-// its sigmas is named; benches with departures can be photographed, and errors that nothing announces are named.
-// Not proved: that Burin's sigmas hold, which takes the forty benches themselves.
+// `scripts/random-benches` as a person meets it: what it draws is a truth that `burin simulate` can photograph, the
+// same for the same seed; a bench that measured exactly the truth is told to have no error, and one that is off by five
+// of its sigmas is named; benches with departures can be photographed, and errors that nothing announces are named. Not
+// proved: that Burin's sigmas hold, which takes the forty benches themselves.
 #include <gmock/gmock.h>
 
 #include <nlohmann/json.hpp>
@@ -15,7 +15,7 @@ namespace {
 using ::testing::HasSubstr;
 
 std::string tool(const TemporaryFolder& folder, const std::string& arguments) {
-  return "cd " + quoted(folder.path().string()) + " && " + quoted(places::source() + "/tools/random-benches") +
+  return "cd " + quoted(folder.path().string()) + " && " + quoted(places::source() + "/scripts/random-benches") +
          " --burin " + quoted(places::program()) + " " + arguments;
 }
 

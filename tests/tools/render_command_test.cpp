@@ -10,6 +10,7 @@
 #include <numbers>
 
 #include "burin/base/image.h"
+#include "burin/pictures/picture.h"
 #include "tests/places.h"
 #include "tests/tools/program.h"
 

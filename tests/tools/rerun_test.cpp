@@ -12,11 +12,12 @@
 #include <string>
 #include <vector>
 
+#include "burin/base/error.h"
+#include "burin/base/image.h"
+#include "burin/pictures/picture.h"
 #include "burin/scene/bench.h"
 #include "burin/scene/board.h"
-#include "burin/base/error.h"
 #include "burin/scene/groove_field.h"
-#include "burin/base/image.h"
 #include "burin/scene/scratches.h"
 #include "tests/places.h"
 #include "tests/temporary_folder.h"

@@ -11,9 +11,9 @@
 #include <chrono>
 #include <fstream>
 
+#include "burin/base/error.h"
 #include "burin/capture/exif.h"
 #include "burin/capture/session.h"
-#include "burin/base/error.h"
 #include "tests/temporary_folder.h"
 #include "tools/command_line.h"
 

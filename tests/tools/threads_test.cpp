@@ -8,6 +8,7 @@
 
 #include "burin/base/image.h"
 #include "burin/base/threads.h"
+#include "burin/pictures/picture.h"
 #include "tests/tools/program.h"
 #include "tools/command_line.h"
 

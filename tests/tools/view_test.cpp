@@ -13,6 +13,7 @@
 #include <string>
 
 #include "burin/base/image.h"
+#include "burin/pictures/picture.h"
 #include "burin/scene/scratches.h"
 #include "tests/places.h"
 #include "tests/tools/chromium.h"

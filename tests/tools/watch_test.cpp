@@ -13,9 +13,9 @@
 #include <sstream>
 #include <thread>
 
+#include "burin/base/files/json_file.h"
 #include "burin/capture/tags/board_pose.h"
 #include "burin/scene/bench.h"
-#include "burin/base/files/json_file.h"
 #include "tests/drawn_dng.h"
 #include "tests/drawn_photo.h"
 #include "tests/tools/program.h"

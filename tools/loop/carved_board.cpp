@@ -6,10 +6,10 @@
 #include <cmath>
 #include <optional>
 
-#include "burin/scene/bench.h"
-#include "burin/scene/board.h"
 #include "burin/base/error.h"
 #include "burin/base/files/decimals.h"
+#include "burin/scene/bench.h"
+#include "burin/scene/board.h"
 
 namespace burin {
 namespace {

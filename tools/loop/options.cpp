@@ -6,12 +6,12 @@
 #include <algorithm>
 #include <optional>
 
-#include "burin/optimize/toolpath/toml_file.h"
-#include "burin/optimize/machine_profile.h"
 #include "burin/base/error.h"
 #include "burin/base/files/decimals.h"
 #include "burin/base/files/table.h"
 #include "burin/base/files/write_file.h"
+#include "burin/optimize/machine_profile.h"
+#include "burin/optimize/toolpath/toml_file.h"
 #include "tools/commands.h"
 #include "tools/loop/toml_line.h"
 #include "tools/new/words.h"

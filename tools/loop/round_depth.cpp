@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "burin/optimize/toolpath/sheet.h"
+#include "burin/base/files/decimals.h"
 #include "burin/optimize/machine_profile.h"
+#include "burin/optimize/toolpath/sheet.h"
 #include "burin/scene/bench_of_board.h"
 #include "burin/scene/board.h"
-#include "burin/base/files/decimals.h"
 
 namespace burin {
 

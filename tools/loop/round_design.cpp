@@ -7,11 +7,11 @@
 #include <string>
 #include <utility>
 
+#include "burin/base/error.h"
 #include "burin/optimize/design_file.h"
 #include "burin/scene/bench.h"
 #include "burin/scene/bench_of_board.h"
 #include "burin/scene/board.h"
-#include "burin/base/error.h"
 #include "tools/commands.h"
 #include "tools/round_names.h"
 

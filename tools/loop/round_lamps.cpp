@@ -2,16 +2,16 @@
 
 #include <algorithm>
 
-#include "burin/capture/exif.h"
-#include "burin/capture/lamp_folders.h"
-#include "burin/capture/session.h"
-#include "burin/optimize/design_file.h"
-#include "burin/scene/bench.h"
 #include "burin/base/error.h"
 #include "burin/base/files/input_file.h"
 #include "burin/base/files/json_file.h"
 #include "burin/base/files/named_paths.h"
 #include "burin/base/limits.h"
+#include "burin/capture/exif.h"
+#include "burin/capture/lamp_folders.h"
+#include "burin/capture/session.h"
+#include "burin/optimize/design_file.h"
+#include "burin/scene/bench.h"
 #include "tools/loop/record.h"
 #include "tools/photographed_lamps.h"
 

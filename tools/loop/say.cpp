@@ -6,13 +6,13 @@
 #include <optional>
 #include <sstream>
 
+#include "burin/base/error.h"
+#include "burin/base/files/decimals.h"
 #include "burin/calib/plan.h"
 #include "burin/capture/lamp_folders.h"
 #include "burin/optimize/design_file.h"
 #include "burin/scene/bench_of_board.h"
 #include "burin/scene/board.h"
-#include "burin/base/error.h"
-#include "burin/base/files/decimals.h"
 #include "tools/commands.h"
 #include "tools/loop/carved_board.h"
 #include "tools/loop/printed_sheet.h"

@@ -3,9 +3,6 @@
 #include <algorithm>
 #include <optional>
 
-#include "burin/optimize/design_file.h"
-#include "burin/scene/bench.h"
-#include "burin/scene/board.h"
 #include "burin/base/error.h"
 #include "burin/base/files/decimals.h"
 #include "burin/base/files/files_together.h"
@@ -14,6 +11,9 @@
 #include "burin/base/files/named_paths.h"
 #include "burin/base/files/unfinished.h"
 #include "burin/base/limits.h"
+#include "burin/optimize/design_file.h"
+#include "burin/scene/bench.h"
+#include "burin/scene/board.h"
 #include "tools/command_line.h"
 #include "tools/commands.h"
 #include "tools/loop/round_depth.h"

@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "burin/scene/bench.h"
 #include "burin/base/finding.h"
+#include "burin/scene/bench.h"
 #include "burin/scene/verdict.h"
 #include "tools/loop/stages.h"
 

@@ -7,9 +7,9 @@
 #include <cmath>
 #include <optional>
 
+#include "burin/base/error.h"
 #include "burin/optimize/layout/tag_layout.h"
 #include "burin/optimize/layout/view_places.h"
-#include "burin/base/error.h"
 #include "burin/scene/look_at.h"
 
 namespace burin {

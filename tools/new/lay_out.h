@@ -5,8 +5,8 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "burin/scene/board.h"
 #include "burin/base/finding.h"
+#include "burin/scene/board.h"
 #include "tools/new/words.h"
 
 namespace burin {

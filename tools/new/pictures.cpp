@@ -12,12 +12,13 @@
 #include <exception>
 #include <set>
 
-#include "burin/optimize/target.h"
 #include "burin/base/error.h"
 #include "burin/base/files/file_names.h"
 #include "burin/base/files/json_file.h"
-#include "burin/pictures/picture_header.h"
+#include "burin/optimize/target.h"
 #include "burin/pictures/linear_picture.h"
+#include "burin/pictures/picture.h"
+#include "burin/pictures/picture_header.h"
 #include "tools/drawing/label.h"
 
 namespace burin {

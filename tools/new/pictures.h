@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
-#include "burin/optimize/design_file.h"
 #include "burin/base/image.h"
+#include "burin/optimize/design_file.h"
 
 namespace burin {
 

@@ -9,15 +9,16 @@
 #include <chrono>
 #include <cstdlib>
 
-#include "burin/optimize/design.h"
-#include "burin/optimize/design/design_output.h"
-#include "burin/optimize/machine_profile.h"
-#include "burin/scene/bench_of_board.h"
 #include "burin/base/error.h"
 #include "burin/base/files/decimals.h"
 #include "burin/base/files/json_file.h"
 #include "burin/base/files/named_paths.h"
 #include "burin/base/files/unfinished.h"
+#include "burin/optimize/design.h"
+#include "burin/optimize/design/design_output.h"
+#include "burin/optimize/machine_profile.h"
+#include "burin/pictures/picture.h"
+#include "burin/scene/bench_of_board.h"
 #include "burin/scene/scratches.h"
 #include "tools/commands.h"
 #include "tools/drawing/label.h"

@@ -12,11 +12,11 @@
 #include <string_view>
 #include <vector>
 
-#include "burin/capture/exif.h"
 #include "burin/base/degrees.h"
 #include "burin/base/error.h"
 #include "burin/base/files/file_names.h"
 #include "burin/base/files/table.h"
+#include "burin/capture/exif.h"
 
 namespace burin {
 namespace {

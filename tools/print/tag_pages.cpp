@@ -4,8 +4,8 @@
 #include <array>
 #include <cmath>
 
-#include "burin/capture/tags/tag_family.h"
 #include "burin/base/error.h"
+#include "burin/capture/tags/tag_family.h"
 #include "tools/print/print_pages.h"
 
 namespace burin {

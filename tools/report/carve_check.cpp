@@ -7,14 +7,14 @@
 #include <optional>
 #include <set>
 
-#include "burin/optimize/duration.h"
-#include "burin/optimize/toolpath.h"
-#include "burin/scene/bench_of_board.h"
 #include "burin/base/error.h"
 #include "burin/base/files/decimals.h"
 #include "burin/base/files/json_file.h"
 #include "burin/base/files/svg.h"
 #include "burin/base/image.h"
+#include "burin/optimize/duration.h"
+#include "burin/optimize/toolpath.h"
+#include "burin/scene/bench_of_board.h"
 #include "tools/picture_quality.h"
 #include "tools/project_settings.h"
 #include "tools/report/html.h"

@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "burin/optimize/duration.h"
 #include "burin/base/files/decimals.h"
 #include "burin/base/files/json_file.h"
 #include "burin/base/image.h"
+#include "burin/optimize/duration.h"
 #include "tools/commands.h"
 #include "tools/picture_quality.h"
 #include "tools/report/chart.h"

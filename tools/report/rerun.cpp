@@ -8,18 +8,19 @@
 #include <utility>
 #include <vector>
 
+#include "burin/base/error.h"
+#include "burin/base/files/json_file.h"
+#include "burin/base/image.h"
 #include "burin/optimize/loss/color_metrics.h"
+#include "burin/pictures/picture.h"
+#include "burin/render/view_renderer.h"
 #include "burin/scene/bench.h"
 #include "burin/scene/bench_of_board.h"
 #include "burin/scene/board.h"
 #include "burin/scene/board_face.h"
 #include "burin/scene/carve.h"
-#include "burin/base/error.h"
-#include "burin/base/files/json_file.h"
 #include "burin/scene/files/machine_json.h"
-#include "burin/base/image.h"
 #include "burin/scene/scratches.h"
-#include "burin/render/view_renderer.h"
 #include "tools/report/html.h"
 #include "tools/report/pictures.h"
 #include "tools/report/rectified.h"

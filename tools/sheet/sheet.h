@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "burin/calib/plan.h"
 #include "burin/base/finding.h"
+#include "burin/calib/plan.h"
 #include "tools/drawing/drawing.h"
 #include "tools/plan_words.h"
 #include "tools/sheet/bench_drawing.h"

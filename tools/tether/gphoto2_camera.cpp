@@ -16,9 +16,9 @@
 #include <string_view>
 #include <utility>
 
-#include "burin/capture/exif.h"
 #include "burin/base/files/json_file.h"
 #include "burin/base/files/table.h"
+#include "burin/capture/exif.h"
 
 namespace burin {
 namespace {

@@ -11,9 +11,9 @@
 #include <limits>
 #include <set>
 
-#include "burin/capture/exif.h"
 #include "burin/base/error.h"
 #include "burin/base/files/json_file.h"
+#include "burin/capture/exif.h"
 #include "tools/commands.h"
 #include "tools/stop_signal.h"
 #include "tools/watch/say_shoot.h"

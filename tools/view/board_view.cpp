@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "burin/optimize/loss/color_metrics.h"
-#include "burin/scene/board_face.h"
 #include "burin/render/view_renderer.h"
+#include "burin/scene/board_face.h"
 #include "tools/report/rectified.h"
 
 namespace burin {

@@ -6,11 +6,11 @@
 #include <string>
 #include <vector>
 
+#include "burin/base/image.h"
+#include "burin/base/progress.h"
 #include "burin/scene/bench.h"
 #include "burin/scene/board.h"
 #include "burin/scene/carve.h"
-#include "burin/base/image.h"
-#include "burin/base/progress.h"
 #include "tools/match_views.h"
 
 namespace burin {

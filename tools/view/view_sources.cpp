@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <set>
 
+#include "burin/base/error.h"
 #include "burin/optimize/design/color_views.h"
 #include "burin/optimize/loss/color_metrics.h"
 #include "burin/optimize/target.h"
 #include "burin/scene/bench_of_board.h"
-#include "burin/base/error.h"
 #include "burin/scene/scratches.h"
 #include "tools/commands.h"
 #include "tools/project.h"

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
-#include "burin/calib/verdict/camera_place.h"
 #include "burin/base/error.h"
 #include "burin/base/files/json_file.h"
+#include "burin/calib/verdict/camera_place.h"
 #include "tools/photographed_lamps.h"
 
 namespace burin {

@@ -4,10 +4,10 @@
 #include <set>
 #include <string>
 
-#include "burin/optimize/design_file.h"
-#include "burin/scene/bench_of_board.h"
 #include "burin/base/error.h"
 #include "burin/base/files/json_file.h"
+#include "burin/optimize/design_file.h"
+#include "burin/scene/bench_of_board.h"
 #include "tools/commands.h"
 #include "tools/loop/printed_sheet.h"
 #include "tools/loop/round_lamps.h"

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "burin/calib/light/probe/outline_edges.h"
 #include "burin/base/median.h"
+#include "burin/calib/light/probe/outline_edges.h"
 
 namespace burin {
 namespace {

@@ -6,11 +6,11 @@
 #include <numbers>
 #include <string>
 
-#include "burin/calib/light/probe/ball_agreement.h"
-#include "burin/calib/light/probe/ball_search.h"
 #include "burin/base/error.h"
 #include "burin/base/files/decimals.h"
 #include "burin/base/median.h"
+#include "burin/calib/light/probe/ball_agreement.h"
+#include "burin/calib/light/probe/ball_search.h"
 
 namespace burin {
 namespace {

@@ -7,10 +7,10 @@
 #include <optional>
 #include <span>
 
+#include "burin/base/progress.h"
 #include "burin/calib/light/probe/ball_outline.h"
 #include "burin/calib/light/probe/ball_view.h"
 #include "burin/scene/board.h"
-#include "burin/base/progress.h"
 
 namespace burin {
 

@@ -8,9 +8,9 @@
 #include <span>
 #include <vector>
 
+#include "burin/base/image.h"
 #include "burin/calib/light/probe/mirror_ball.h"
 #include "burin/calib/light/probe/seen.h"
-#include "burin/base/image.h"
 #include "burin/scene/lens.h"
 
 namespace burin {

@@ -7,13 +7,13 @@
 #include <string>
 #include <vector>
 
+#include "burin/base/progress.h"
 #include "burin/calib/geometry/board_solver.h"
 #include "burin/calib/light/probe/ball_view.h"
 #include "burin/calib/light/probe/probe_panorama.h"
 #include "burin/capture/photo.h"
 #include "burin/capture/session.h"
 #include "burin/scene/board.h"
-#include "burin/base/progress.h"
 
 namespace burin {
 

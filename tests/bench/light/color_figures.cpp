@@ -1,5 +1,5 @@
-// tests/bench/light/color_figures.cpp - the figures of docs/light.md on color: boards for lamps of three colors, judged
-// by the simulated camera, and what the lamps' places do to the picture.
+// tests/bench/light/color_figures.cpp - the figures of docs/results/light.md on color: boards for lamps of three
+// colors, judged by the simulated camera, and what the lamps' places do to the picture.
 //
 //   burin_color_figures FOLDER OUT [POINTS]
 //
@@ -13,13 +13,14 @@
 #include <string>
 #include <vector>
 
-#include "burin/simulate/bench_truth.h"
-#include "burin/simulate/point_sampler.h"
 #include "burin/optimize/design.h"
 #include "burin/optimize/design/design_output.h"
 #include "burin/optimize/loss/color_metrics.h"
 #include "burin/optimize/loss/loss.h"
+#include "burin/pictures/picture.h"
 #include "burin/scene/look_at.h"
+#include "burin/simulate/bench_truth.h"
+#include "burin/simulate/point_sampler.h"
 
 namespace {
 

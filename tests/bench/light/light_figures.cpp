@@ -1,6 +1,6 @@
-// tests/bench/light/light_figures.cpp - the figures of docs/light.md: one board designed for its lamp, seen under that
-// lamp, under sun and sky, and in a room with a window; and boards designed for these. Each is judged by the simulated
-// camera, which draws points and directions and knows none of the renderer's tables.
+// tests/bench/light/light_figures.cpp - the figures of docs/results/light.md: one board designed for its lamp, seen
+// under that lamp, under sun and sky, and in a room with a window; and boards designed for these. Each is judged by the
+// simulated camera, which draws points and directions and knows none of the renderer's tables.
 //
 //   burin_light_figures FOLDER OUT [POINTS [SCRATCHES [CASE ...]]]
 //
@@ -16,14 +16,15 @@
 #include <string>
 #include <vector>
 
-#include "burin/simulate/bench_truth.h"
-#include "burin/simulate/point_sampler.h"
+#include "burin/base/error.h"
 #include "burin/optimize/design.h"
 #include "burin/optimize/design/design_output.h"
 #include "burin/optimize/loss/picture_metrics.h"
-#include "burin/base/error.h"
+#include "burin/pictures/picture.h"
 #include "burin/scene/far_light.h"
 #include "burin/scene/look_at.h"
+#include "burin/simulate/bench_truth.h"
+#include "burin/simulate/point_sampler.h"
 
 namespace {
 

@@ -1,5 +1,5 @@
-// tests/bench/light/probe_figures.cpp - the figures of docs/light.md on a room of one's own: a traced room, photos of a
-// mirror ball in it (tests/calib/mirror_ball_photos.h), and what burin probe light makes of them.
+// tests/bench/light/probe_figures.cpp - the figures of docs/results/light.md on a room of one's own: a traced room,
+// photos of a mirror ball in it (tests/calib/mirror_ball_photos.h), and what burin probe light makes of them.
 //
 //   burin_probe_figures OUT
 //
@@ -13,8 +13,9 @@
 #include <random>
 #include <string>
 
-#include "burin/calib/light_probe.h"
 #include "burin/base/error.h"
+#include "burin/calib/light_probe.h"
+#include "burin/pictures/picture.h"
 #include "burin/scene/far_light.h"
 #include "tests/calib/mirror_ball_photos.h"
 

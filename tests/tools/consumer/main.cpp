@@ -1,12 +1,12 @@
 // Uses one thing of each room that another project links, and prints what it got.
+#include <burin/base/threads.h>
 #include <burin/calib/calibrate.h>
 #include <burin/capture/session.h>
 #include <burin/optimize/loss/adam.h>
 #include <burin/optimize/machine_profile.h>
+#include <burin/render/view_renderer.h>
 #include <burin/scene/board.h>
 #include <burin/scene/groove.h>
-#include <burin/base/threads.h>
-#include <burin/render/view_renderer.h>
 
 #include <cstdio>
 #include <exception>

@@ -1,12 +1,12 @@
-// burin/render/predicted_photo.h - the photo that a bench should give of a carved board. docs/model.md 5.1 to 5.8.
+// burin/calib/predicted_photo.h - the photo that a bench should give of a carved board. docs/model.md 5.1 to 5.8.
 // Pixels: the center of the top-left pixel is (0, 0).
 #pragma once
 
+#include "burin/base/image.h"
 #include "burin/scene/bench.h"
 #include "burin/scene/board.h"
 #include "burin/scene/carve.h"
 #include "burin/scene/footprint_grid.h"
-#include "burin/base/image.h"
 #include "burin/scene/sensor.h"
 
 namespace burin {

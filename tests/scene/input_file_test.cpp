@@ -10,14 +10,15 @@
 
 #include <functional>
 
-#include "burin/scene/bench.h"
-#include "burin/scene/board.h"
-#include "burin/scene/board_mesh.h"
 #include "burin/base/error.h"
 #include "burin/base/files/json_file.h"
 #include "burin/base/image.h"
-#include "burin/scene/lens.h"
 #include "burin/base/limits.h"
+#include "burin/pictures/picture.h"
+#include "burin/scene/bench.h"
+#include "burin/scene/board.h"
+#include "burin/scene/board_mesh.h"
+#include "burin/scene/lens.h"
 #include "burin/scene/scratches.h"
 #include "tests/temporary_folder.h"
 

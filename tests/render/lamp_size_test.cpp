@@ -13,8 +13,8 @@
 
 #include "burin/base/error.h"
 #include "burin/base/files/json_file.h"
-#include "burin/scene/files/lamp_size_json.h"
 #include "burin/render/scene_parts.h"
+#include "burin/scene/files/lamp_size_json.h"
 #include "tests/render/small_world.h"
 
 namespace burin {

@@ -1,10 +1,12 @@
-#include "burin/render/predicted_photo.h"
+#include "burin/calib/predicted_photo.h"
+
+#include "burin/capture/glare.h"
 
 #include <algorithm>
 #include <utility>
 
-#include "burin/scene/board_face.h"
 #include "burin/render/view_renderer.h"
+#include "burin/scene/board_face.h"
 
 namespace burin {
 namespace {

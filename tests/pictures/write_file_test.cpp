@@ -18,6 +18,7 @@
 #include "burin/base/files/json_file.h"
 #include "burin/base/files/named_paths.h"
 #include "burin/base/image.h"
+#include "burin/pictures/picture.h"
 #include "tests/temporary_folder.h"
 
 namespace burin {

@@ -7,8 +7,8 @@
 #include <random>
 
 #include "burin/base/error.h"
+#include "burin/capture/glare.h"
 #include "burin/scene/files/camera_effects_json.h"
-#include "burin/scene/glare.h"
 #include "burin/scene/response.h"
 #include "burin/scene/sensor.h"
 

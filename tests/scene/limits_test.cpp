@@ -5,11 +5,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "burin/scene/board.h"
-#include "burin/scene/board_mesh.h"
 #include "burin/base/error.h"
 #include "burin/base/files/json_file.h"
 #include "burin/base/files/table.h"
+#include "burin/scene/board.h"
+#include "burin/scene/board_mesh.h"
 #include "burin/scene/lens.h"
 #include "tests/temporary_folder.h"
 

@@ -1,4 +1,4 @@
-// burin/scene/glare.h - light that a lens scatters far over the picture. docs/model.md 5.13.
+// burin/capture/glare.h - light that a lens scatters far over the picture. docs/model.md 5.13.
 //
 //   seen = (1 - share) x + share K x,      K ~ 1 / (r^2 + core_px^2) for r up to reach_px, its sum 1.
 //
@@ -8,14 +8,9 @@
 #pragma once
 
 #include "burin/base/image.h"
+#include "burin/scene/sensor.h"
 
 namespace burin {
-
-/// Share 0: none. Lengths in the photo's own pixels.
-struct Glare {
-  double share = 0;
-  double core_px = 4, reach_px = 500;
-};
 
 /// K of an image of one channel whose pixels are `pixel_px` of the photo's wide, at the image's own pixels. Errs by
 /// less than 1 % of K x where the image holds no point lights.

@@ -1,4 +1,4 @@
-#include "burin/scene/glare.h"
+#include "burin/capture/glare.h"
 
 #include <algorithm>
 #include <cmath>

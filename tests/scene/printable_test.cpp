@@ -5,9 +5,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "burin/scene/board.h"
 #include "burin/base/error.h"
 #include "burin/base/finding.h"
+#include "burin/scene/board.h"
 #include "tests/temporary_folder.h"
 
 namespace burin {
