@@ -1,6 +1,5 @@
-// burin/scene/board.h - the board as it was made or is believed to be: size, tags, tool, material.
-// Frame: board (origin at the lower-left corner of the face, x right, y up, z out of the metal), mm. docs/model.md 1
-// and docs/file-formats.md.
+// burin/scene/board.h - the board as made, or its prior: size, tags, tool, material. Frame: board (origin at the
+// lower-left corner of the face, x right, y up, z out of the metal), mm. docs/model.md 1 and docs/file-formats.md.
 #pragma once
 
 #include <Eigen/Core>
@@ -22,66 +21,65 @@ struct Tag {
   int id = 0;
   Eigen::Vector2d center_mm{0, 0};
   double size_mm = 0;
-  double rotation_deg = 0;  ///< counter-clockwise; 0: upright for someone who sees x right and y up
+  double rotation_deg = 0;  ///< counter-clockwise; 0: upright for a viewer with x right and y up
   std::optional<Eigen::Vector2d> center_sigma_mm = {};  ///< of a measured tag, like rotation_sigma_deg
   std::optional<double> rotation_sigma_deg = {};
 };
 
-/// The tags on a board: their family, their paper, and where they are believed to be.
+/// The tags on a board: their family, their paper, and the prior of their places.
 struct TagSet {
   std::string family = "tagStandard41h12";
   double z_mm = 0.1;      ///< height of the tags' paper above the face
-  double sigma_mm = 0.2;  ///< how well the tags' positions are known, per axis
+  double sigma_mm = 0.2;  ///< prior sigma of the tags' positions, per axis
   double white_albedo = 0.85;
   double black_albedo = 0.04;
   std::vector<Tag> list;
 };
 
-/// A place where nothing may be carved: a hole, a clamp. A circle, or a polygon (its corners in order, either way
-/// round; it may be hollowed but must not cross itself).
+/// An area without grooves, such as a hole or a clamp: a circle or a simple polygon. The polygon's corners are in
+/// order, in either sense of rotation; it may be concave.
 struct KeepOut {
   std::string name;                         ///< for messages; may be empty
   std::vector<Eigen::Vector2d> polygon_mm;  ///< empty for a circle
   Eigen::Vector2d center_mm{0, 0};
   double radius_mm = 0;
-  /// How high it stands above the face; 0: nothing stands there (a hole). Nothing: nobody said, and no tool may be sent
-  /// over the sheet before somebody does.
+  /// Height above the face; 0: nothing rises there (a hole). Nothing: unknown; no tool may then move over the sheet.
   std::optional<double> height_mm{};
 };
 
 /// `board.json`. docs/file-formats.md.
 struct Board {
   Eigen::Vector2d size_mm{0, 0};
-  Eigen::Vector2d carve_min_mm{0, 0}, carve_max_mm{0, 0};  ///< `carve_mm`: where scratches may lie
-  std::vector<KeepOut> keep_out;  ///< of a person's; the tags' paper is kept free as well (tag_paper())
+  Eigen::Vector2d carve_min_mm{0, 0}, carve_max_mm{0, 0};  ///< `carve_mm`: rectangle for scratches
+  std::vector<KeepOut> keep_out;                           ///< a person's list; tag_paper() adds the tags' paper
   TagSet tags;
   std::filesystem::path scratches;  ///< absolute or relative to the working directory; empty if the file names none
   double tool_width_um = 400;       ///< w-tilde in Eqn. 2, fixed by the cutter's tip
   Material material;
-  /// How uneven the face is as it lies on the machine: its highest less its lowest place over the carve area, um, as a
-  /// person measured or believes it. Nothing: nobody knows.
+  /// Unevenness of the face on the machine: its highest minus its lowest place over the carve area, um. A person
+  /// measured or estimated it. Nothing: unknown.
   std::optional<double> flatness_um;
-  SaidMaterial said;           ///< by the file that this was read from
+  SaidMaterial said;           ///< fields present in the file that this was read from
   std::filesystem::path mesh;  ///< optional OBJ with uv for a board that is neither flat nor bowed; empty if none
-  std::optional<Bend> bend;    ///< of a sheet that is bent to a cylinder after it was carved; not with a mesh
+  std::optional<Bend> bend;    ///< of a sheet that is bent to a cylinder after carving; not with a mesh
 };
 
 /// The four corners of a tag on the board, in AprilTag's order for an upright tag:
 /// lower-left, lower-right, upper-right, upper-left. Board xy, mm.
 std::array<Eigen::Vector2d, 4> tag_corners_mm(const Tag& tag);
 
-/// The square of paper that a tag of a family needs, its white border (quiet zone) included, as a keep-out named after
-/// it. Throws Error for a family that AprilTag does not have.
+/// The square of paper of a tag, with its white border (quiet zone), as a keep-out with the tag's name. Throws Error
+/// for a family that AprilTag does not have.
 KeepOut tag_paper(const Tag& tag, const std::string& family);
 
-/// The field `size_mm` of a board, width and height in mm. Throws Error where one is not above 0 or beyond
+/// Reads the field `size_mm` of a board: width and height in mm. Throws Error if one is not above 0 or is beyond
 /// docs/limits.md.
 Eigen::Vector2d read_board_size(JsonObject& json);
 
 /// Reads `board.json`. Throws Error on a missing or broken file, an unknown key, or a value out of range.
 Board read_board(const std::filesystem::path& file);
 
-/// Writes `board.json`, paths made relative to the file's folder; atomically.
+/// Writes `board.json` atomically; paths become relative to the file's folder.
 void write_board(const Board& board, const std::filesystem::path& file);
 
 }  // namespace burin

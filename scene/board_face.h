@@ -1,5 +1,5 @@
-// burin/scene/board_face.h - the face of a board on a bench, whatever its shape: flat, bowed, bent to a cylinder, or a
-// mesh with uv. Frame: board, mm. The one place that everything that draws, designs or looks asks.
+// burin/scene/board_face.h - the face of a board in a setup, of any shape: flat, bowed, bent to a cylinder, or a mesh
+// with uv. Frame: board, mm. Rendering, design and calibration all use this interface.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -17,38 +17,37 @@ namespace burin {
 
 class BoardMesh;
 
-/// A board's face. Where there is a mesh, `surface` has only its size.
+/// A board's face. With a mesh, `surface` holds only the size.
 struct BoardFace {
   Surface surface;
   std::shared_ptr<const BoardMesh> mesh{};
 
-  /// Neither flat nor merely bowed.
+  /// True for a bent sheet and a mesh; false for a flat or bowed face.
   bool curved() const { return surface.bend.has_value() || mesh != nullptr; }
 };
 
-/// Flat, bowed or bent, as the bench measured it, or else as the board says. A board's mesh is not looked at.
+/// Flat, bowed or bent: as measured in the setup, otherwise as in board.json. The function ignores a board's mesh.
 Surface surface_of(const Board& board, const Bench& bench);
 
-/// The same with a mesh, if the board has one. Throws Error as read_obj() and BoardMesh do.
+/// surface_of() plus the mesh, if the board has one. Throws Error as read_obj() and BoardMesh do.
 BoardFace face_of(const Board& board, const Bench& bench);
 
-/// What a bow found in photos makes of a bent sheet goes into its bend, and the bow is none; a board that is not bent
-/// stays as it is.
+/// Moves a measured bow of a bent sheet into its bend and clears the bow. A board without a bend stays unchanged.
 void settle_bend(const Board& board, Bench& bench);
 
-/// What uncertainties of a bent sheet's bow, mm, make of its bend.
+/// Standard deviations of the bend, from the sigmas of a bent sheet's bow, mm.
 Bend bend_sigma_of(const Surface& surface, const Eigen::Vector2d& bow_sigma_mm);
 
-/// A place of the face in space, and its frame: `x` is the flat board's x direction as it lies on the face.
+/// A point of the face and its frame. `x` is the flat board's x direction on the face.
 struct FacePlace {
   Eigen::Vector3d position_mm, normal, x;
 
-  /// A direction in the frame (x, y, normal), in which grooves run as on the flat board.
+  /// A direction in the frame (x, y, normal). In this frame grooves have the directions of the flat board.
   Eigen::Vector3d in_face(const Eigen::Vector3d& direction) const {
     return {x.dot(direction), normal.cross(x).dot(direction), normal.dot(direction)};
   }
 };
-/// Nothing where a mesh has a gap.
+/// Nothing in a gap of a mesh.
 std::optional<FacePlace> face_place(const BoardFace& face, const Eigen::Vector2d& flat_mm);
 
 /// See footprint_grid.h and board_mesh.h.
@@ -57,13 +56,12 @@ FootprintGrid camera_grid(const Lens& lens, const Eigen::Isometry3d& T_camera_bo
 FootprintGrid board_grid(const Eigen::Vector2d& min_mm, const Eigen::Vector2d& max_mm, int width, int height,
                          const BoardFace& face);
 
-/// 1 for every pixel from whose center the face itself hides `from_mm`, or that has no footprint. Empty where a face of
-/// that shape hides nothing from whoever stands in front of its tangent plane: flat, bowed, convex.
+/// 1 for each pixel without a footprint, and for each pixel whose center the face itself hides from `from_mm`. Empty
+/// for flat, bowed and convex faces: they hide nothing from a point in front of the tangent plane.
 std::vector<std::uint8_t> hidden_pixels(const FootprintGrid& grid, const BoardFace& face,
                                         const Eigen::Vector3d& from_mm);
 
-/// 1 where the face sends no light from the lamp to the eye because it hides itself from either. Empty where it never
-/// does.
+/// 1 for each pixel that the face hides from the eye or from the lamp. Empty for a face that hides nothing.
 std::vector<std::uint8_t> hidden_on_the_way(const FootprintGrid& grid, const BoardFace& face,
                                             const Eigen::Vector3d& eye_mm, const Eigen::Vector3d& lamp_mm);
 

@@ -2,9 +2,9 @@
 // Frame: the coupon's own board (origin at its lower-left corner, x right, y up), mm. docs/calibration.md, "The
 // coupon".
 //
-// It holds fans: scratches like spokes round a center, in all directions, all of one fan carved alike. Fans that are
-// carved alike share a cell; cells with several fans tell what repeats. Beside coupon.json lie board.json (tags, tool,
-// what is believed) and scratches.csv, whose rows are in carving order.
+// A coupon contains fans: scratches in all directions around a center, like spokes, all with the same command. Fans
+// with the same command share a cell; cells with several fans measure repeatability. The folder of coupon.json also
+// contains board.json (tags, tool, prior) and scratches.csv, with rows in carving order.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,26 +15,26 @@
 
 namespace burin {
 
-/// One way to carve: what the machine is told, and what is believed to come of it.
+/// One way to carve: the machine's command and the prior of its result.
 struct CouponCell {
   double command = 0;   ///< Z below the face or below contact, mm; a servo's S
-  double depth_um = 0;  ///< believed
+  double depth_um = 0;  ///< prior
   double feed_mm_min = 0;
   double reached_mm_min = 0;  ///< mean over a scratch, with the machine's acceleration
   double spacing_mm = 0;      ///< between neighboring scratches, halfway along them
 };
 
-/// Scratches round a center, carved one after the other.
+/// Scratches around a center, carved one after the other.
 struct CouponFan {
   std::size_t cell = 0;
   Eigen::Vector2d center_mm{0, 0};
-  double radius_mm = 0;       ///< where scratches end
-  bool outward = true;        ///< the tool goes away from the center; or towards it
+  double radius_mm = 0;       ///< distance of the scratches' outer ends from the center
+  bool outward = true;        ///< true: the tool moves away from the center
   std::size_t first_row = 0;  ///< of scratches.csv
   std::size_t rows = 0;
 };
 
-/// A place for the camera from which one photo should be taken.
+/// A recommended camera position for one photo.
 struct CouponShot {
   double lean_deg = 0;  ///< of the half vector from the board's normal, at the coupon's middle
   Eigen::Vector3d eye_mm{0, 0, 0};
@@ -44,23 +44,23 @@ struct Coupon {
   int number = 1;  ///< 1 to kMostCoupons; the tags' ids follow from it
   std::string date;
   std::string machine;   ///< its profile's name
-  std::string depth_by;  ///< as the profile says: "fixed-z", "spring", "drag", "servo"
+  std::string depth_by;  ///< as in the profile: "fixed-z", "spring", "drag", "servo"
   double usual_feed_mm_min = 0;
-  Eigen::Vector2d at_mm{0, 0};  ///< where its lower-left corner lies for the machine
+  Eigen::Vector2d at_mm{0, 0};  ///< lower-left corner in machine coordinates
   std::vector<CouponCell> cells;
   std::vector<CouponFan> fans;       ///< in carving order
-  Eigen::Vector3d lamp_mm{0, 0, 0};  ///< where the lamp should be
+  Eigen::Vector3d lamp_mm{0, 0, 0};  ///< recommended position of the lamp
   std::vector<CouponShot> shots;
 };
 
 inline constexpr int kMostCoupons = 120;
 inline constexpr int kCouponTags = 12;
 
-/// The id of a coupon's first tag; it has kCouponTags in a row. No two coupons share one, and boards rarely have as
-/// many tags as come before the first coupon's.
+/// The id of a coupon's first tag; a coupon has kCouponTags consecutive ids. No two coupons share an id, and boards
+/// rarely have as many tags as the ids below the first coupon's.
 constexpr int first_coupon_tag(int number) { return 600 + kCouponTags * (number - 1); }
 
-/// Reads coupon.json. Throws Error on anything missing, unknown or out of range.
+/// Reads coupon.json. Throws Error for anything missing, unknown or out of range.
 Coupon read_coupon(const std::filesystem::path& file);
 
 /// Writes it, atomically.

@@ -1,4 +1,4 @@
-// burin/scene/embree_rays.h - Embree 3 and 4 under one name: the two differ in where a query's settings stand.
+// burin/scene/embree_rays.h - common interface to Embree 3 and 4, which differ in the place of a query's settings.
 #pragma once
 
 #if __has_include(<embree4/rtcore.h>)
@@ -10,7 +10,7 @@
 namespace burin {
 
 #if RTC_VERSION_MAJOR >= 4
-/// Settings of one query; a struct of one's own may begin with it (filter functions get it back).
+/// Settings of one query. A caller's struct may begin with it; filter functions receive it.
 using QueryContext = RTCRayQueryContext;
 inline void init_query(QueryContext& context) { rtcInitRayQueryContext(&context); }
 #else
@@ -29,8 +29,8 @@ inline void first_hit(RTCScene scene, RTCRayHit& query) {
 #endif
 }
 
-/// Whether anything lies on a ray: `ray.tfar` is below 0 then. Filter functions are given `context`; `coherent`: the
-/// next ray runs alike.
+/// Tests a ray for any hit: it sets `ray.tfar` below 0. Filter functions receive `context`. `coherent`: the next ray is
+/// similar.
 inline void any_hit(RTCScene scene, QueryContext& context, bool coherent, RTCRay& ray) {
 #if RTC_VERSION_MAJOR >= 4
   RTCOccludedArguments arguments;

@@ -1,8 +1,8 @@
 // burin/scene/face_grain.h - the direction of a brushed face: a GGX lobe with two roughnesses. docs/model.md 3.8.
-// Frame: face (pixel_shading.h), x and y as the board's. Directions are unit vectors away from the face.
+// Frame: face (pixel_shading.h), with the board's x and y. Directions are unit vectors away from the face.
 //
-// The lobe's roughness is a symmetric 2 x 2 matrix, base_alpha^2 exp(2 E) with E = [[c, s], [s, -c]]: as smooth around
-// a face without direction (c = s = 0) as elsewhere, and base_alpha stays the geometric mean of both roughnesses.
+// The lobe's roughness is a symmetric 2 x 2 matrix, base_alpha^2 exp(2 E) with E = [[c, s], [s, -c]]. It is smooth
+// everywhere, including at an isotropic face (c = s = 0), and base_alpha stays the geometric mean of both roughnesses.
 // Streaks run at half the angle of (-c, -s): along them the face is smoother.
 #pragma once
 
@@ -12,14 +12,14 @@
 
 namespace burin {
 
-/// How the plain face's roughness depends on direction: (c, s) above, half the logarithm of across over along, at twice
-/// the angle of the direction across the streaks. Both 0: it does not.
+/// Anisotropy of the plain face's roughness: (c, s) above. Its length is half the logarithm of the ratio across to
+/// along, at twice the angle of the direction across the streaks. Both 0: isotropic.
 struct FaceGrain {
   double c = 0, s = 0;
 
-  /// Whether the face is the same in all directions.
+  /// True for an isotropic face.
   bool none() const { return c == 0 && s == 0; }
-  /// Across over along, from 1.
+  /// Ratio of the roughnesses across and along, at least 1.
   double ratio() const { return std::exp(2 * std::hypot(c, s)); }
   /// Direction of the streaks from the board's x, degrees, from -90 to 90.
   double along_deg() const { return std::atan2(-s, -c) / 2 * 180 / std::numbers::pi; }
@@ -30,7 +30,7 @@ struct FaceGrain {
   }
 };
 
-/// exp(2 sign E) as [[xx, xy], [xy, yy]]: what multiplies base_alpha^2 (sign 1) or divides it (sign -1).
+/// exp(2 sign E) as [[xx, xy], [xy, yy]]: the factor (sign 1) or divisor (sign -1) of base_alpha^2.
 template <typename T>
 struct GrainMatrix {
   T xx, xy, yy;
@@ -54,7 +54,7 @@ GrainMatrix<T> grain_matrix(const T& c, const T& s, int sign) {
   return {even + odd * c, odd * s, even - odd * c};
 }
 
-/// D(h) of the lobe (docs/model.md 3.8), for a half vector in the frame of the face with hz > 0; 0 else.
+/// D(h) of the lobe (docs/model.md 3.8), for a half vector in the frame of the face with hz > 0; otherwise 0.
 template <typename T>
 T grained_D(const T& hx, const T& hy, const T& hz, const T& base_alpha, const T& c, const T& s) {
   if (!(hz > T(0))) return T(0);
@@ -64,7 +64,7 @@ T grained_D(const T& hx, const T& hy, const T& hz, const T& base_alpha, const T&
   return a2 / (T(std::numbers::pi) * q * q);
 }
 
-/// Smith's G1 with the roughness of the direction that is looked from; 0 below the face.
+/// Smith's G1 with the roughness in the viewing direction; 0 below the face.
 template <typename T>
 T grained_G1(const T& vx, const T& vy, const T& vz, const T& base_alpha, const T& c, const T& s) {
   using std::sqrt;

@@ -1,5 +1,5 @@
-// burin/scene/footprint_grid.h - what each pixel of a view cuts out of the board's face.
-// Frame: board xy, mm. Pixels: center of the top-left pixel is (0, 0), so corner (c, r) lies at (c - 0.5, r - 0.5).
+// burin/scene/footprint_grid.h - footprints of a view's pixels on the board's face. Frame: board xy, mm. Pixels: the
+// center of the top-left pixel is (0, 0), so corner (c, r) is at (c - 0.5, r - 0.5).
 #pragma once
 
 #include <Eigen/Geometry>
@@ -21,25 +21,23 @@ struct PixelWindow {
   int x0 = 0, y0 = 0, width = 0, height = 0;
 };
 
-/// Pixels and their footprints. Pixel (c, r) has the corners (c, r), (c + 1, r), (c + 1, r + 1), (c, r + 1).
-/// A pixel any of whose corners misses the face (or is hidden) has NaN there, and renders as `Image` value 0.
+/// Pixels and their footprints. Pixel (c, r) has the corners (c, r), (c + 1, r), (c + 1, r + 1), (c, r + 1). A corner
+/// that misses the face (or is hidden) is NaN; a pixel with such a corner renders as `Image` value 0.
 struct FootprintGrid {
-  PixelWindow window;                            ///< of the photo; x0 = y0 = 0 for a grid that is not a photo's
+  PixelWindow window;                            ///< of the photo; x0 = y0 = 0 for a grid without a photo
   std::vector<double> corner_x_mm, corner_y_mm;  ///< (width + 1) * (height + 1), row-major
   std::vector<Eigen::Vector3d> center_mm;        ///< width * height: the mean of the corners, on the face, board frame
   std::vector<Eigen::Vector3d> normal;           ///< width * height: the face's unit normal there
-  /// width * height: where the flat board's x direction points there, unit, at right angles to the normal. Empty: where
-  /// the shortest turn of z to the normal takes it (docs/model.md 1.1), which is so for all faces but meshes.
+  /// width * height: the flat board's x direction there, unit, at right angles to the normal. Empty for all faces but
+  /// meshes: the shortest turn of z to the normal gives it (docs/model.md 1.1).
   std::vector<Eigen::Vector3d> x_axis;
-  std::optional<Eigen::Matrix3d> board_from_pixel;  ///< homography from window pixels to board xy, where there is one
+  std::optional<Eigen::Matrix3d> board_from_pixel;  ///< homography from window pixels to board xy, if there is one
 
-  /// Pixels in a row.
   int width() const { return window.width; }
-  /// Rows of pixels.
   int height() const { return window.height; }
 };
 
-/// A grid that several views may look through: those of a design look at the same places of the board.
+/// A grid that several views share: the views of a design have the same footprints on the board.
 inline std::shared_ptr<const FootprintGrid> share(FootprintGrid grid) {
   return std::make_shared<const FootprintGrid>(std::move(grid));
 }
@@ -52,45 +50,46 @@ inline std::array<Eigen::Vector2d, 4> footprint_corners_mm(const FootprintGrid& 
   return {corner(top), corner(top + 1), corner(bottom + 1), corner(bottom)};
 }
 
-/// The mean of a pixel's corners: its center's place on the flat sheet, mm. Of a face that is not bent, center_mm's xy.
+/// The mean of a pixel's corners: its center's flat place, mm. On a face without a bend, it is center_mm's xy.
 inline Eigen::Vector2d footprint_middle_mm(const FootprintGrid& grid, std::size_t pixel) {
   const auto width = static_cast<std::size_t>(grid.width());
   const auto q = footprint_corners_mm(grid, static_cast<int>(pixel % width), static_cast<int>(pixel / width));
   return 0.25 * (q[0] + q[1] + q[2] + q[3]);
 }
 
-/// Area between four corners in order, negative where they run clockwise.
+/// Area between four corners in order, negative if they run clockwise.
 inline double signed_area_mm2(const std::array<Eigen::Vector2d, 4>& q) {
   const Eigen::Vector2d a = q[2] - q[0], b = q[3] - q[1];
   return 0.5 * (a.x() * b.y() - a.y() * b.x());
 }
 
-/// The rays of a window's pixel corners in camera coordinates, as (x / z, y / z); NaN where the lens cannot be
-/// inverted. They depend on the lens alone: keep them while poses change.
+/// The rays of a window's pixel corners in camera coordinates, as (x / z, y / z); NaN if the lens has no inverse there.
+/// They depend on the lens alone, so callers keep them while poses change.
 struct CornerRays {
   PixelWindow window;
   std::vector<Eigen::Vector2d> slope;  ///< (width + 1) * (height + 1), row-major
-  bool undistorted = false;            ///< a pinhole, or a model whose distortion is all zero
+  bool undistorted = false;            ///< a pinhole, or a model with zero distortion
   Eigen::Vector4d fxycxy{1, 1, 0, 0};  ///< of an undistorted lens, for window pixels
 };
 CornerRays corner_rays(const Lens& lens, const PixelWindow& window);
 
-/// The footprints of a photo's pixels, for a board that is flat or bowed, through any of mrcal's lens models. A ray
-/// that meets the face outside 0 .. surface.size_mm, from behind, or not at all misses it. Throws Error for an empty
-/// window or a board without size.
+/// The footprints of a photo's pixels on a flat or bowed board, for any of mrcal's lens models. A ray misses the face
+/// if it meets it outside 0 .. surface.size_mm, from behind, or not at all. Throws Error for an empty window or a board
+/// without size.
 FootprintGrid camera_grid(const Lens& lens, const Eigen::Isometry3d& T_camera_board, const Surface& surface,
                           const PixelWindow& window);
 
-/// The same from rays that were computed before.
+/// From precomputed rays.
 FootprintGrid camera_grid(const CornerRays& rays, const Eigen::Isometry3d& T_camera_board, const Surface& surface);
 
-/// A grid of width x height rectangles laid on the board between min_mm and max_mm, row 0 at the top (largest y): the
-/// pixels of a picture as it lies on the board, whatever camera looks at it. Designs use it.
+/// The pixels of a picture on the board, independent of any camera: width x height rectangles between min_mm and
+/// max_mm, row 0 at the top (largest y). Designs use it.
 FootprintGrid board_grid(const Eigen::Vector2d& min_mm, const Eigen::Vector2d& max_mm, int width, int height,
                          const Surface& surface);
 
-/// Smallest window of the photo that holds the board rectangle min_mm .. max_mm (and `margin_px` around), clipped to
-/// the photo. Width or height 0 if it lies outside. Where part of the rectangle is behind the camera: the whole photo.
+/// Smallest window of the photo that holds the board rectangle min_mm .. max_mm and `margin_px` around it, clipped to
+/// the photo. Width or height is 0 if the rectangle is outside. If part of it is behind the camera, the result is the
+/// whole photo.
 PixelWindow window_of(const Lens& lens, const Eigen::Isometry3d& T_camera_board, const Surface& surface,
                       const Eigen::Vector2d& min_mm, const Eigen::Vector2d& max_mm, int margin_px);
 

@@ -7,8 +7,8 @@
 
 namespace burin {
 
-/// T = 2 w / wt = sqrt(1 - exp(-2 d / wt)), the rim in units of half the width; w is the half-width at which the wall
-/// meets the face. 2 atan(T) is the groove's steepest slope. Templated: double, float, Ceres Jets.
+/// T = 2 w / wt = sqrt(1 - exp(-2 d / wt)), the groove edge (rim) in units of half the width. w is the half-width at
+/// which the wall meets the face. 2 atan(T) is the groove's steepest slope. Templated: double, float, Ceres Jets.
 template <typename T>
 T groove_rim(const T& width_um, const T& depth_um) {
   using std::expm1;
@@ -16,7 +16,7 @@ T groove_rim(const T& width_um, const T& depth_um) {
   return sqrt(-expm1(T(-2) * depth_um / width_um));
 }
 
-/// Half-width w where the wall meets the face: height(w) = 0 in Eqn. 2 (supplement, Eqn. 2), solved in closed form,
+/// Half-width w at which the wall meets the face: height(w) = 0 in Eqn. 2 (supplement, Eqn. 2), solved in closed form,
 ///   w = (wt / 2) sqrt(1 - exp(-2 d / wt)).
 template <typename T>
 T half_width_um(const T& width_um, const T& depth_um) {

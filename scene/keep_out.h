@@ -1,5 +1,4 @@
-// burin/scene/keep_out.h - which parts of a straight line a forbidden place (burin/scene/board.h) leaves free.
-// Frame: any plane, mm.
+// burin/scene/keep_out.h - parts of a straight line outside the keep-outs (burin/scene/board.h). Frame: any plane, mm.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,14 +10,15 @@
 
 namespace burin {
 
-/// A part of the line a + t (b - a), t from 0 to 1.
+/// A part of the line a + t (b - a), with t from 0 to 1.
 using LinePart = std::pair<double, double>;
 
-/// Distance from a point to a place, mm; 0 inside.
+/// Distance from a point to a keep-out, mm; 0 inside.
 double distance_mm(const Eigen::Vector2d& p, const KeepOut& place);
 
-/// The parts of the segment that keep at least `clearance_mm` from every place, in order; exact: a place widened by
-/// the clearance is the union of the place, of disks round its corners and of strips along its edges.
+/// The parts of the segment at a distance of at least `clearance_mm` from every keep-out, in order. The result is
+/// exact: a keep-out widened by the clearance is the union of the keep-out, disks around its corners and strips along
+/// its edges.
 std::vector<LinePart> free_parts(const Eigen::Vector2d& a, const Eigen::Vector2d& b, std::span<const KeepOut> places,
                                  double clearance_mm);
 

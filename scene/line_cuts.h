@@ -1,4 +1,4 @@
-// burin/scene/line_cuts.h - straight lines over the board: the cells that they go through, and the stretches of them
+// burin/scene/line_cuts.h - straight lines over the board: the grid cells that they cross, and the intervals of them
 // that grooves cover. Frame: board, mm.
 #pragma once
 
@@ -26,8 +26,8 @@ struct CellsOfLines {
 
   std::size_t size() const { return static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows); }
 
-  /// visit(cell) for every cell within `margin_mm` of a line, once: row by row, from where the line comes within the
-  /// margin of the row to where it leaves it. `way_mm`: from the line's first end to its last.
+  /// Calls visit(cell) once for every cell within `margin_mm` of a line. Cells come row by row, between the line's
+  /// entry into the row's margin and its exit. `way_mm` runs from the line's first end to its last.
   template <typename Visit>
   void each(const Eigen::Vector2d& first_mm, const Eigen::Vector2d& way_mm, double margin_mm,
             const Visit& visit) const {
@@ -53,11 +53,11 @@ struct CellsOfLines {
   }
 };
 
-/// What ends a stretch of a scratch: the scratch's own end, or the outline of another groove (lines along it, to its
-/// left and right, and the lines across its two ends).
+/// Boundary of an interval: the scratch's own end, or the outline of another groove (lines along it, to its left and
+/// right, and lines across its two ends).
 enum class LineBoundary : std::uint8_t { own_end, side_minus, side_plus, first_end, last_end };
 
-/// A stretch of a line, mm from its first end, and what of a groove's outline bounds it. Empty if from >= to.
+/// An interval of a line, mm from its first end, with the part of a groove's outline at each end. Empty if from >= to.
 struct LineStretch {
   double from = 0, to = 0;
   LineBoundary from_boundary = LineBoundary::own_end, to_boundary = LineBoundary::own_end;
@@ -65,7 +65,7 @@ struct LineStretch {
   bool is_empty() const { return !(from < to); }
 };
 
-/// Leaves of a stretch what has a + b t between `low` and `high`, t being the distance along the line.
+/// Keeps the part of an interval with a + b t between `low` and `high`; t is the distance along the line.
 inline void clip_stretch(LineStretch& stretch, double a, double b, double low, double high, LineBoundary at_low,
                          LineBoundary at_high) {
   constexpr double kParallel = 1e-12;
@@ -82,8 +82,8 @@ inline void clip_stretch(LineStretch& stretch, double a, double b, double low, d
   if (leaves < stretch.to) stretch.to = leaves, stretch.to_boundary = at_high;
 }
 
-/// A groove as a line sees it that goes beside it or across: the distance from the groove's middle line, and how far
-/// along the groove that is, at the line's first end and by a millimeter of the line.
+/// A groove in the coordinates of a line: distance from the groove's middle line and position along the groove, at the
+/// line's first end; the slopes are changes per millimeter of the line.
 struct GrooveMet {
   double across = 0, along = 0, across_slope = 0, along_slope = 0, length_mm = 0;
 };
@@ -95,7 +95,7 @@ inline GrooveMet groove_met(const Eigen::Vector2d& first_mm, const Eigen::Vector
   return {from.dot(across), from.dot(groove_u), u.dot(across), u.dot(groove_u), groove_length_mm};
 }
 
-/// What of a line so long lies within `reach_mm` of the groove's middle line.
+/// The part of a line of this length within `reach_mm` of the groove's middle line.
 inline LineStretch covered_stretch(const GrooveMet& met, double line_mm, double reach_mm) {
   using Boundary = LineBoundary;
   LineStretch out{.to = line_mm};

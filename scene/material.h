@@ -1,4 +1,4 @@
-// burin/scene/material.h - what grooves and the plain face reflect.
+// burin/scene/material.h - reflection of grooves and of the plain face.
 #pragma once
 
 #include <Eigen/Core>
@@ -8,7 +8,7 @@
 
 namespace burin {
 
-/// What a groove and the plain face reflect. Shared by all scratches that do not carry their own depth or alpha.
+/// Reflection parameters of the grooves and the plain face. Scratches without their own depth or alpha share them.
 struct Material {
   double alpha = 0.04;                   ///< GGX roughness of the grooves' walls
   double depth_um = 10;                  ///< d in the paper's Eqn. 2
@@ -18,8 +18,8 @@ struct Material {
   GrooveProfile profile{};               ///< the grooves' cross-section
 };
 
-/// Which of Material's numbers a file says itself. What a bench.json leaves out is board.json's
-/// (burin/scene/bench_of_board.h), and what that leaves out is Material's default.
+/// Presence of Material's numbers in a file. A number missing in bench.json comes from board.json
+/// (burin/scene/bench_of_board.h); a number missing there takes Material's default.
 struct SaidMaterial {
   bool alpha = true, depth_um = true, base_alpha = true, f0 = true;
   bool grain = false, profile = false;

@@ -1,4 +1,5 @@
-// burin/scene/mrcal_lens.h - the lens models that are not written out in lens.cpp, by mrcal: splined ones, CAHVOR, ...
+// burin/scene/mrcal_lens.h - lens models that mrcal evaluates because lens.cpp does not implement them: splined,
+// CAHVOR, and others.
 #pragma once
 
 #include <Eigen/Core>
@@ -8,12 +9,12 @@
 
 namespace burin {
 
-/// Number of parameters of any of mrcal's models. Throws Error naming `where` for a model that mrcal does not know,
-/// and, in a build without mrcal, for every model.
+/// Number of parameters of any of mrcal's models. Throws Error with `where` for a model that mrcal does not know, and,
+/// in a build without mrcal, for every model.
 int mrcal_parameter_count(const std::string& model, const std::string& where);
 
-/// project() and unproject() of burin/scene/lens.h, of intrinsics that were checked. Where the model has no inverse,
-/// mrcal_unproject() may fill in anything.
+/// project() and unproject() of burin/scene/lens.h, for intrinsics that were checked. mrcal_unproject() may return any
+/// value if the model has no inverse there.
 void mrcal_project(const std::string& model, const std::vector<double>& intrinsics,
                    std::span<const Eigen::Vector3d> p_camera, std::span<Eigen::Vector2d> q_px,
                    std::vector<Eigen::Matrix<double, 2, 3, Eigen::RowMajor>>* dq_dp,

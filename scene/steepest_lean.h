@@ -1,5 +1,5 @@
-// burin/scene/steepest_lean.h - how far a groove's walls lean from the face: the cut-off of its glint.
-// docs/model.md 2.4 for the paper's cross-section, 2.6 and 2.7 for a rounded V. Burrs are not counted.
+// burin/scene/steepest_lean.h - largest angle between a groove's walls and the face: the cut-off of its glint.
+// docs/model.md 2.4 for the paper's cross-section, 2.6 and 2.7 for a rounded V. Burrs are ignored.
 #pragma once
 
 #include <algorithm>

@@ -8,11 +8,10 @@
 
 namespace burin {
 
-/// Reads `{"radius_mm": 150, "axis_deg": 90}`. Throws Error for what a sheet of that size (if it is known) does not
-/// allow.
+/// Reads `{"radius_mm": 150, "axis_deg": 90}`. Throws Error for a bend that a sheet of that size (if known) excludes.
 Bend read_bend(JsonObject json, const std::optional<Eigen::Vector2d>& size_mm);
 
-/// The same keys as uncertainties, which are never negative.
+/// Reads the same keys as uncertainties, which are never negative.
 Bend read_bend_sigma(JsonObject json);
 
 Json bend_json(const Bend& bend);

@@ -1,5 +1,5 @@
-// burin/scene/files/camera_effects_json.h - what a camera does to its pictures, as bench.json (`sensor`) and
-// session.json keep it. docs/file-formats.md. Absent: none of it.
+// burin/scene/files/camera_effects_json.h - response, sharpening, glare and white balance of a camera in bench.json
+// (`sensor`) and session.json. docs/file-formats.md. Missing keys mean no effect.
 #pragma once
 
 #include "burin/base/files/json_file.h"

@@ -10,23 +10,23 @@
 
 namespace burin {
 
-/// Where a camera stands, as a file says it. Frame: board, mm.
+/// A camera's pose from a file. Frame: board, mm.
 struct SaidPose {
   Eigen::Isometry3d T_camera_board = Eigen::Isometry3d::Identity();
-  /// Set where the file says an eye only: it looks at the board's middle, turned by so many degrees, and
-  /// T_camera_board has its center but looks straight down.
+  /// Set if the file gives only an eye. That camera looks at the board's middle, turned by this angle. T_camera_board
+  /// has its center, but looks straight down.
   std::optional<double> roll_to_middle_deg;
 };
 
-/// `T_camera_board`, or `eye_mm` with or without `aim_mm` and `roll_deg`. Throws Error where both or neither are there,
-/// the matrix is no rigid motion, the eye lies behind the face, or it looks away from the board.
+/// Reads `T_camera_board`, or `eye_mm` with or without `aim_mm` and `roll_deg`. Throws Error if both or neither are
+/// there, the matrix is no rigid motion, the eye is behind the face, or the camera looks away from the board.
 SaidPose read_pose(JsonObject& json);
 
-/// A pose that looks from where `pose` stands at a place of the board, turned by `roll_deg`.
+/// A pose at the center of `pose` that looks at a place of the board, turned by `roll_deg`.
 Eigen::Isometry3d aimed_at(const Eigen::Isometry3d& pose, const Eigen::Vector3d& aim_mm, double roll_deg);
 
-/// `focal_35mm` and `pixels` (width, height) as a lens without distortion (nominal_lens). Throws Error for values that
-/// no camera has.
+/// Reads `focal_35mm` and `pixels` (width, height) as a lens without distortion (nominal_lens). Throws Error for values
+/// that no camera has.
 Lens read_nominal_lens(JsonObject& json);
 
 }  // namespace burin

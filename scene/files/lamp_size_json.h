@@ -7,11 +7,12 @@
 
 namespace burin {
 
-/// Of a lamp at `position_mm`. Throws Error for both a disk and a panel, a size that is not positive, and one as large
-/// as its distance from the board's corner: no few points stand for such a lamp.
+/// Reads the area of a lamp at `position_mm`. Throws Error for both a disk and a panel, and for a size that is not
+/// positive. A size as large as the distance from the board's corner is an error too: a few points cannot represent
+/// such a lamp.
 LampSize read_lamp_size(JsonObject& light, const Eigen::Vector3d& position_mm);
 
-/// Nothing for a point lamp.
+/// Writes nothing for a point lamp.
 void put_lamp_size(const LampSize& size, Json& light);
 
 }  // namespace burin

@@ -7,11 +7,11 @@
 
 namespace burin {
 
-/// alpha, depth_um, base_alpha and f0 with Material's defaults where they are left out. Throws Error for a roughness
+/// Reads alpha, depth_um, base_alpha and f0; missing keys take Material's defaults. Throws Error for a roughness
 /// outside (0, 1], a depth that is not positive, or a reflectance outside [0, 1]. The caller calls finish().
 Material read_material(JsonObject& json);
 
-/// Which of them are there.
+/// The keys of read_material() that are present.
 SaidMaterial said_material(const JsonObject& json);
 
 }  // namespace burin

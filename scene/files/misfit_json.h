@@ -11,7 +11,7 @@ namespace burin {
 
 std::vector<Misfit> read_misfits(JsonObject& bench);
 
-/// An array, one object a misfit; "words" and "remedy" beside the facts are for people.
+/// An array with one object per misfit. "words" and "remedy" are for people; the other keys are facts.
 Json misfits_json(const std::vector<Misfit>& misfits);
 
 }  // namespace burin

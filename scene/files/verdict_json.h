@@ -7,14 +7,14 @@
 
 namespace burin {
 
-/// Facts, and beside them "reason" and "next_photo.words": the sentences that people read.
+/// Facts, plus two sentences for people: "reason" and "next_photo.words".
 Json verdict_json(const Verdict& verdict);
 
-/// The facts of version 2; its sentences are passed over.
+/// Reads the facts of version 2 and ignores its sentences.
 Verdict read_verdict(JsonObject json);
 
-/// The same of version 1, which had "determined", "weakly" and a sentence: the sentence is kept as it is (Cause::told),
-/// and what it does not say as a fact is taken for measured.
+/// Reads version 1, which had "determined", "weakly" and a sentence. Cause::told keeps the sentence. Facts that version
+/// 1 lacks get the source `measured`.
 Verdict read_verdict_of_version_1(JsonObject json);
 
 }  // namespace burin
