@@ -1,4 +1,4 @@
-// burin/base/cell_grid.h - squares over a board, to find by place what lies on it.
+// burin/base/cell_grid.h - a grid of square cells over a board, for spatial lookup.
 #pragma once
 
 #include <Eigen/Core>
@@ -8,7 +8,7 @@
 
 namespace burin {
 
-/// Places in mm, in the board's frame; what lies beyond its rim belongs to the cells beside it.
+/// Places in mm, in the board's frame. A place beyond the board's rim belongs to the nearest cell.
 struct CellGrid {
   double cell_mm = 1;
   int columns = 1, rows = 1;
@@ -24,7 +24,7 @@ struct CellGrid {
   }
 };
 
-/// Cells of `cell_mm`, or larger ones where more than about `most` would cover the board.
+/// Cells of `cell_mm`, or larger ones if more than about `most` would cover the board.
 inline CellGrid cell_grid(const Eigen::Vector2d& size_mm, double cell_mm, double most = 4e6) {
   const double side = std::max({cell_mm, std::sqrt(size_mm.x() * size_mm.y() / most), size_mm.maxCoeff() / most});
   const auto count = [&](double mm) { return std::max(1, static_cast<int>(std::ceil(mm / side))); };

@@ -1,4 +1,4 @@
-// burin/base/degrees.h - between degrees, as people and files have angles, and radians, as formulas have them.
+// burin/base/degrees.h - conversion between degrees, for people and files, and radians, for formulas.
 #pragma once
 
 #include <numbers>

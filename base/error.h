@@ -1,7 +1,7 @@
-// burin/base/error.h - the one exception that Burin throws for bad input.
+// burin/base/error.h - the only exception that Burin throws for bad input.
 //
-// A person reads the message as it is, so it names the file, the field or value, what is wrong and what to do.
-// The burin program prints it and exits with 1; libraries never print and never exit.
+// People read the message unchanged, so it contains the file, the field or value, the problem and the remedy. The burin
+// program prints it and exits with 1; libraries never print and never exit.
 #pragma once
 
 #include <stdexcept>

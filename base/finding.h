@@ -1,4 +1,4 @@
-// burin/base/finding.h - something that a person should know: the one form in which all rooms tell it.
+// burin/base/finding.h - a diagnostic for people; all libraries return diagnostics in this form.
 #pragma once
 
 #include <filesystem>
@@ -7,16 +7,15 @@
 
 namespace burin {
 
-/// Errors stop, warnings do not, notes say what was assumed.
+/// Errors stop the work, warnings do not, notes report assumptions.
 struct Finding {
-  /// How bad it is.
   enum class Severity { note, warning, error };
   Severity severity = Severity::warning;
-  std::filesystem::path file;  ///< the photo, or another file; empty if it concerns the whole
-  std::string what, remedy;    ///< half sentences without a full stop
+  std::filesystem::path file;  ///< the photo, or another file; empty for the whole work
+  std::string what, remedy;    ///< clauses without a full stop
 };
 
-/// A warning about the whole of what is worked on.
+/// A warning about the whole work.
 Finding make_warning(std::string what, std::string remedy = "");
 
 /// "photos/IMG_1.JPG: what; remedy"

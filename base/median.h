@@ -1,4 +1,4 @@
-// burin/base/median.h - the one median, how sure it is, and the one quantile of all rooms.
+// burin/base/median.h - median with standard error, and quantile, for all libraries.
 #pragma once
 
 #include <algorithm>
@@ -8,7 +8,7 @@
 
 namespace burin {
 
-/// The median of some values, the upper one of the middle two where their number is even; 0 for none. Reorders them.
+/// The median of the values; the upper of the two middle ones for an even count; 0 for none. Reorders them.
 template <typename T>
 T median_in_place(std::vector<T>& values) {
   if (values.empty()) return T(0);
@@ -17,7 +17,7 @@ T median_in_place(std::vector<T>& values) {
   return *middle;
 }
 
-/// The same of a copy: move large ones in.
+/// The median of a copy: move large vectors in.
 template <typename T>
 T median_of(std::vector<T> values) {
   return median_in_place(values);
@@ -28,8 +28,8 @@ struct MedianAndError {
   double median = 0, sigma = 0;
 };
 
-/// The error is that of normal values whose scatter the median deviation tells: 1.4826 sqrt(pi / 2) = 1.86 times that,
-/// over the root of their number. Zeros for none.
+/// The error assumes normal values with the scatter of the median absolute deviation (MAD): 1.4826 sqrt(pi / 2) = 1.86
+/// times the MAD, divided by the root of their number. Zeros for none.
 inline MedianAndError median_and_error(std::vector<double> values) {
   if (values.empty()) return {};
   const double median = median_in_place(values);
@@ -37,7 +37,7 @@ inline MedianAndError median_and_error(std::vector<double> values) {
   return {median, 1.86 * median_in_place(values) / std::sqrt(static_cast<double>(values.size()))};
 }
 
-/// The value that a share `q` (0 to 1) of some values lies below. Reorders them; there has to be one at least.
+/// The value above a fraction `q` (0 to 1) of the values. Reorders them; at least one is required.
 template <typename T>
 T quantile_in_place(std::vector<T>& values, double q) {
   const auto nth = values.begin() + static_cast<std::ptrdiff_t>(q * static_cast<double>(values.size() - 1));
@@ -45,7 +45,7 @@ T quantile_in_place(std::vector<T>& values, double q) {
   return *nth;
 }
 
-/// The same of a copy: move large ones in.
+/// The quantile of a copy: move large vectors in.
 template <typename T>
 T quantile_of(std::vector<T> values, double q) {
   return quantile_in_place(values, q);

@@ -1,4 +1,4 @@
-// burin/base/progress.h - how long work tells its caller how far it is.
+// burin/base/progress.h - progress reports from work to its caller.
 //
 // Libraries call it, never print. The burin program turns it into a bar with time left, on a terminal only.
 #pragma once
@@ -8,8 +8,8 @@
 
 namespace burin {
 
-/// Called from the calling thread, as often as the work likes: `stage` is a short phrase ("finding tags"),
-/// `fraction` runs from 0 to 1 within that stage. May be empty. May throw to stop the work.
+/// The work calls it from the calling thread, at any rate. `stage` is a short phrase ("finding tags"); `fraction` runs
+/// from 0 to 1 within that stage. May be empty. May throw to stop the work.
 using Progress = std::function<void(std::string_view stage, double fraction)>;
 
 }  // namespace burin

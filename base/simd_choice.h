@@ -1,6 +1,6 @@
-// burin/base/simd_choice.h - the same width of the float kernels on several machines. Widths differ in the last bits
-// of a picture, and after a thousand iterations in every scratch of a design: the same design on two machines needs the
-// same width on both.
+// burin/base/simd_choice.h - one SIMD width of the float kernels on several machines. Widths differ in the last bits of
+// a picture, and after a thousand iterations in every scratch of a design. Two machines make identical designs only
+// with the same width.
 #pragma once
 
 #include <optional>
@@ -10,7 +10,7 @@
 
 namespace burin {
 
-/// While it lives, `best` is this width everywhere in the process; of several, the one made last. Throws Error for a
+/// During its lifetime, `best` is this width everywhere in the process; the latest object counts. Throws Error for a
 /// width that does not run here.
 class SimdChoice {
  public:
@@ -23,7 +23,7 @@ class SimdChoice {
   SimdWidth before_;
 };
 
-/// The width of a name that name() gives on this kind of processor; none for other words.
+/// The width with a name() on this kind of processor; nothing for other words.
 std::optional<SimdWidth> simd_named(std::string_view name);
 
 }  // namespace burin

@@ -1,15 +1,14 @@
-// burin/base/threads.h - how many threads Burin may use.
+// burin/base/threads.h - the number of threads that Burin may use.
 //
-// Everything runs on all of the machine's cores unless a program says otherwise. Results are the same bits for any
-// number.
+// By default everything runs on all of the machine's cores. Results are bit-identical for any number of threads.
 #pragma once
 
 #include <memory>
 
 namespace burin {
 
-/// While it lives, all of Burin uses at most so many threads, the calling one included: renderers, designs, calibration
-/// and the reading of pictures. Several may live at once; the smallest counts.
+/// During its lifetime, renderers, designs, calibration and picture readers use at most `most_threads` threads, the
+/// calling one included. Of several objects, the smallest limit counts.
 class ThreadLimit {
  public:
   /// Throws Error for fewer than one thread.
@@ -23,8 +22,8 @@ class ThreadLimit {
   std::unique_ptr<State> state_;
 };
 
-/// How many threads work may use now: the machine's cores, or the smallest ThreadLimit that lives. For libraries that
-/// want to be told a number.
+/// Number of threads that work may use: the machine's cores, or the smallest active ThreadLimit. It serves libraries
+/// that take a number.
 int thread_count();
 
 }  // namespace burin

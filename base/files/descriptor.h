@@ -1,4 +1,4 @@
-// burin/base/files/descriptor.h - a file that is open, as the system counts it.
+// burin/base/files/descriptor.h - owner of a file descriptor.
 #pragma once
 
 #include <fcntl.h>
@@ -12,7 +12,7 @@
 
 namespace burin {
 
-/// What open() returned: closed at the end, by one owner.
+/// Owns the result of open() and closes it in the destructor.
 class Descriptor {
  public:
   explicit Descriptor(int number = -1) : number_(number) {}
@@ -28,14 +28,14 @@ class Descriptor {
   Descriptor(const Descriptor&) = delete;
   Descriptor& operator=(const Descriptor&) = delete;
 
-  /// The number, -1 where open() failed (errno is as it left it) or nothing is open.
+  /// The descriptor; -1 if open() failed (errno is unchanged) or nothing is open.
   int number() const { return number_; }
   explicit operator bool() const { return number_ >= 0; }
 
-  /// Hands the number to whoever closes it from now on.
+  /// Releases ownership; the caller closes the descriptor.
   int release() { return std::exchange(number_, -1); }
 
-  /// Closes it now. 0, or what went wrong (an errno): some file systems tell of a full disk only then.
+  /// Closes it. Returns 0 or an errno: some file systems report a full disk only here.
   int close() {
     const int number = release();
     return number >= 0 && ::close(number) != 0 && errno != EINTR ? errno : 0;
@@ -45,7 +45,7 @@ class Descriptor {
   int number_ = -1;
 };
 
-/// Writes all bytes to an open file. 0, or what went wrong (an errno).
+/// Writes all bytes to an open file. Returns 0 or an errno.
 inline int write_all(int file, std::string_view bytes) {
   while (!bytes.empty()) {
     const ssize_t written = ::write(file, bytes.data(), bytes.size());
@@ -56,7 +56,7 @@ inline int write_all(int file, std::string_view bytes) {
   return 0;
 }
 
-/// Whether `path` still leads to the file that is open: another process may have removed or replaced it.
+/// True if `path` still leads to the open file: another process may have removed or replaced it.
 inline bool is_at(int file, const std::filesystem::path& path) {
   struct stat open {
   }, named{};

@@ -1,4 +1,4 @@
-// burin/base/files/file_names.h - names of views, lamps and the like, in any script, as names of files.
+// burin/base/files/file_names.h - file names from names of views, lamps and the like, in any script.
 #pragma once
 
 #include <filesystem>
@@ -8,21 +8,21 @@
 
 namespace burin {
 
-/// A name that any file system takes: letters of all languages, digits, "-", "_" and "." stay, whatever else is "_"
-/// (blanks, slashes, bytes that are no UTF-8); no dot or dash in front; at most 100 bytes, cut between letters. Two
-/// names may become one: distinct_file_names().
+/// A name for any file system. Letters of all languages, digits, "-", "_" and "." remain; other characters (blanks,
+/// slashes, invalid UTF-8) become "_". It has no dot or dash in front and at most 100 bytes, cut between letters. Two
+/// names may become one: see distinct_file_names().
 std::string file_name_of(std::string_view name);
 
-/// One name of a file for each, all different even where capitals and small letters are one (vfat, macOS): a second
-/// "a_b" is "a_b-2". With each of `endings` behind it, too: a view "left" that writes left.png and left-start.png takes
-/// both names from a view "left-start".
+/// One file name per name, all different even on file systems that ignore case (vfat, macOS): a second "a_b" becomes
+/// "a_b-2". They also differ with each of `endings` appended: a view "left" that writes left.png and left-start.png
+/// reserves both names, so a view "left-start" gets another.
 std::vector<std::string> distinct_file_names(const std::vector<std::string>& names,
                                              const std::vector<std::string>& endings = {});
 
-/// Capital letters of ASCII as small ones: ".JPG" is ".jpg".
+/// Converts ASCII capitals to small letters: ".JPG" becomes ".jpg".
 std::string lower_case(std::string text);
 
-/// A file's extension with its dot, in small letters: what kind of file its name says that it is.
+/// A file's extension with its dot, in small letters: the kind of file by its name.
 std::string lower_extension(const std::filesystem::path& file);
 
 }  // namespace burin

@@ -1,13 +1,13 @@
-// burin/base/files/files_together.h - files that belong together change together: all of them, or none.
+// burin/base/files/files_together.h - atomic change of several files: all of them, or none.
 //
-// While a FilesTogether lives, what its thread writes (burin/base/files/write_file.h) stays beside its place. put()
-// writes a journal, ".burin-change", into the folder that holds them all, moves every file to its place, and removes
-// the journal. Where a move fails, all are moved back. Where the process dies, whoever next reads or writes there finds
-// the journal and completes the change (settle_changes): nobody ever reads a mixture of old and new.
+// During the lifetime of a FilesTogether, its thread writes files (burin/base/files/write_file.h) next to their final
+// places. put() writes a journal, ".burin-change", into the common folder, moves every file to its place, and removes
+// the journal. If a move fails, put() moves all files back. If the process dies, the next process that reads or writes
+// there finds the journal and completes the change (settle_changes). Nobody ever reads a mixture of old and new files.
 //
-// A journal may come with a stranger's folder. So it acts only within what was named, or its project
-// (burin/base/files/named_paths.h), only on the very files that were written for it on this disk (it holds their
-// numbers, inodes), and whoever asked for it with report_settled_changes() is told.
+// A journal may come with a folder from a stranger. It therefore acts only within named folders or their project
+// (burin/base/files/named_paths.h). It acts only on the files that were written for it on this disk; it contains their
+// inode numbers. report_settled_changes() registers a callback for such changes.
 #pragma once
 
 #include <filesystem>
@@ -19,23 +19,23 @@
 
 namespace burin {
 
-/// One change of several files, by this thread. Within another one, it is part of that.
+/// One change of several files by this thread. Inside another change, it joins the outer one.
 class FilesTogether {
  public:
   FilesTogether();
-  /// Without put(), nothing has changed.
+  /// Without put(), the destructor discards the change.
   ~FilesTogether();
   FilesTogether(const FilesTogether&) = delete;
   FilesTogether& operator=(const FilesTogether&) = delete;
 
-  /// Puts all files in their places, and ends the change: what is written later goes to its place by itself. Throws
-  /// Error where one cannot be put; then all are as before.
+  /// Moves all files to their places and ends the change: later files go directly to their places. Throws Error if one
+  /// file cannot move; all files are then unchanged.
   void put();
 
   /// One file of a change.
   struct Item {
     FilePlace place;
-    std::filesystem::path part;    ///< what becomes of it; empty: it is removed
+    std::filesystem::path part;    ///< the new content; empty: the file is removed
     std::filesystem::path former;  ///< the old file's second name, until the change is complete
   };
 
@@ -47,18 +47,19 @@ class FilesTogether {
   std::vector<Item> items_;
 };
 
-/// Hands a part file (empty: a removal) to this thread's change. False where there is none.
+/// Adds a part file (empty: a removal) to this thread's change. Returns false without a change.
 bool joins_change(const FilePlace& place, const std::filesystem::path& part);
 
-/// Where the bytes of a file lie that this thread's change has written; otherwise the file itself.
+/// Path of a file's new bytes if this thread's change has written it; otherwise the file itself.
 std::filesystem::path as_written(const std::filesystem::path& file);
 
-/// Completes, or takes back, a change in the file's folder or the two above it whose process died. Waits for one that
-/// is being made just now. Throws Error where it cannot, or may not although it changes this very file: what is there
-/// is a mixture. Called before every reading and writing of the file. False: a change of others was left as it is.
+/// Completes or reverts a dead process's change in the file's folder or the two folders above it. Waits for a change in
+/// progress. Throws Error if this very file is part of a change that cannot be settled, or must not be: the files are
+/// then a mixture. Every reader and writer of the file calls it first. Returns false if it left a change of others
+/// unsettled.
 bool settle_changes(const std::filesystem::path& file);
 
-/// From now on `report` is called with a sentence about each change that settle_changes() has completed or taken back.
+/// Registers `report`, which receives a sentence about each change that settle_changes() completes or reverts.
 void report_settled_changes(std::function<void(const std::string&)> report);
 
 }  // namespace burin

@@ -1,7 +1,7 @@
-// burin/base/files/input_file.h - the one door through which files are read.
+// burin/base/files/input_file.h - checks of input files; all readers use them.
 //
-// Whatever a path names - a folder, a FIFO nobody writes to, a device, a link that leads in circles, a file of a
-// hundred gigabytes - is looked at before a byte is read, and refused in a sentence.
+// They refuse a path to anything but a plain file of limited size: a folder, a FIFO without a writer, a device, a
+// circular link, a file of a hundred gigabytes. The check precedes the first read, and the message is one sentence.
 #pragma once
 
 #include <cstdint>
@@ -10,27 +10,26 @@
 
 namespace burin {
 
-/// Opens the file and closes it again, for libraries that open by name: throws Error naming the file unless it is a
-/// plain file (or a link to one) that may be read and has at most `most_bytes`. `kind` is what the sentence calls it
-/// ("a picture"). Returns its size. Never waits: a FIFO or a device is not read.
+/// Opens the file and closes it again, for libraries that open by name. Throws Error with the file unless it is a
+/// readable plain file (or a link to one) with at most `most_bytes`. `kind` is its name in the message ("a picture").
+/// Returns its size. Never blocks: it does not read a FIFO or a device.
 std::uintmax_t require_plain_file(const std::filesystem::path& file, std::uintmax_t most_bytes,
                                   const std::string& kind);
 
-/// The whole of a plain file. Throws as require_plain_file, and where the disk does not give all of it.
+/// The whole content of a plain file. Throws as require_plain_file, and if the disk returns only a part.
 std::string read_bytes(const std::filesystem::path& file, std::uintmax_t most_bytes, const std::string& kind);
 
-/// The first bytes of a plain file, at most `bytes`; all of it where it is shorter. Throws as require_plain_file, but
-/// for its size.
+/// The first bytes of a plain file, at most `bytes`. Throws as require_plain_file, except for its size.
 std::string read_head(const std::filesystem::path& file, std::uintmax_t bytes);
 
-/// Throws Error: `count` things ("tags") are more than `most`; `remedy` says how to go on.
+/// Throws Error if `count` of `things` ("tags") is more than `most`. `remedy` is the advice in the message.
 void require_at_most(std::size_t count, std::size_t most, const std::string& where, const std::string& things,
                      const std::string& remedy);
 
-/// 1,234,567: a number for people.
+/// A number for people: 1,234,567.
 std::string with_commas(std::uintmax_t number);
 
-/// 64 MB: so many bytes for people.
+/// A size in bytes for people: 64 MB.
 std::string bytes_text(std::uintmax_t bytes);
 
 }  // namespace burin

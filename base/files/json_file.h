@@ -15,15 +15,15 @@ namespace burin {
 
 using Json = nlohmann::ordered_json;
 
-/// One JSON object being read: knows its file and its place in it, hands out typed fields, and remembers which keys
-/// were asked for, so that finish() can name the ones that nobody knows. Every error names file, field and remedy.
+/// One JSON object during reading, with its file and its path in the file. It returns typed fields and records the
+/// requested keys, so that finish() can report unknown ones. Every error names file, field and remedy.
 class JsonObject {
  public:
   JsonObject(const Json& json,
-             std::string where);  ///< `where`: "board.json" or "board.json: tags"; throws if no object
+             std::string where);  ///< `where`: "board.json" or "board.json: tags". Throws for any value but an object.
 
   const std::string& where() const { return where_; }
-  bool has(const std::string& key) const;  ///< the key then counts as known
+  bool has(const std::string& key) const;  ///< marks the key as known
 
   double number(const std::string& key);  ///< at most 1e18, of either sign
   double number(const std::string& key, double fallback);
@@ -45,7 +45,7 @@ class JsonObject {
   const Json& raw(const std::string& key);                  ///< any value; throws if missing
   std::vector<std::string> keys() const;                    ///< in the file's order, for objects used as maps
 
-  /// Throws naming the first key that was never asked for, and the keys that are known here.
+  /// Throws with the first key that nobody requested, and with all known keys.
   void finish() const;
 
   /// Throws Error about one field: "board.json: tags.size_mm: what; remedy".
@@ -59,32 +59,32 @@ class JsonObject {
   mutable std::set<std::string> asked_;
 };
 
-/// The object's "version". Throws Error where its "format" is not this, or its version is above `version` or below
-/// `oldest` (0: only `version` itself is read).
+/// The object's "version". Throws Error for another "format", and for a version above `version` or below `oldest` (0:
+/// only `version` itself is valid).
 int check_format(JsonObject object, const std::string& format, int version, int oldest = 0);
 
 /// Parses a JSON file and checks its "format" ("burin/board") and "version" (check_format). Throws Error with line and
-/// column on broken JSON. The caller keeps the Json alive while reading its JsonObject (which already asked for both
-/// keys).
+/// column for broken JSON. The caller keeps the Json alive while it reads the JsonObject, which has requested both keys
+/// already.
 Json read_json(const std::filesystem::path& file, const std::string& format, int version, int oldest = 0);
 
-/// The whole of a file. Throws Error if it is missing, a folder or unreadable.
+/// The whole content of a file. Throws Error if it is missing, a folder or unreadable.
 std::string read_text(const std::filesystem::path& file);
 
-/// Pretty-printed JSON, doubles with the digits they need. Throws Error naming `file`, which it is for, where it holds
-/// a number that is not finite or a text that is not UTF-8.
+/// Pretty-printed JSON, doubles with the necessary digits. Throws Error with `file`, its destination, for a number that
+/// is not finite or a text that is not UTF-8.
 std::string json_text(const Json& json, const std::filesystem::path& file);
 
 /// Writes json_text() (write_file).
 void write_json(const Json& json, const std::filesystem::path& file);
 
-/// Makes a folder and its parents for output. Throws Error naming it if that fails or if it is not writable.
+/// Makes a folder and its parents for output. Throws Error with its name if that fails or if it is not writable.
 void make_output_folder(const std::filesystem::path& folder);
 
-/// A path that a JSON file names, made usable from the working directory: paths are relative to the file's folder.
+/// Converts a path in a JSON file, relative to the file's folder, into one that works from the working directory.
 std::filesystem::path resolve_path(const std::filesystem::path& file, const std::string& named);
 
-/// The other way round: `path` as `file` should name it, relative to its folder where that is possible.
+/// The inverse: the name of `path` in `file`, relative to the file's folder if possible.
 std::string path_beside(const std::filesystem::path& file, const std::filesystem::path& path);
 
 Json to_json(const Eigen::Ref<const Eigen::MatrixXd>& m);  ///< a vector as a flat array, a matrix as an array of rows

@@ -1,8 +1,8 @@
-// burin/base/files/python_literal.h - reads a Python literal (dictionaries, lists, tuples, text, numbers, True,
-// False, None, with comments and trailing commas), which is what a `.cameramodel` file is.
+// burin/base/files/python_literal.h - parser of Python literals (dictionaries, lists, tuples, text, numbers, True,
+// False, None, with comments and trailing commas), the format of `.cameramodel` files.
 //
-// libmrcal has a parser of its own, but version 2.2 reads beyond the end of files that are cut short and then crashes,
-// prints to stderr, and cannot say which line is wrong. Include it in .cpp files only: it pulls in nlohmann-json.
+// libmrcal has its own parser, but version 2.2 reads beyond the end of truncated files and crashes, prints to stderr,
+// and cannot report the faulty line. Include it in .cpp files only: it pulls in nlohmann-json.
 #pragma once
 
 #include <string>
@@ -12,13 +12,13 @@
 
 namespace burin {
 
-/// Tuples become arrays, None becomes null, bytes become text. Escapes within text are kept as they are written.
+/// Tuples become arrays, None becomes null, bytes become text. Escapes within text remain as written.
 class PythonLiteral {
  public:
   /// `where` is the file's name in messages. Both must outlive the call of value().
   PythonLiteral(std::string_view text, std::string where) : text_(text), where_(std::move(where)) {}
 
-  /// The one value that the text holds. Throws Error naming the line of what is no Python literal.
+  /// The only value in the text. Throws Error with the line of a syntax error.
   Json value();
 
  private:

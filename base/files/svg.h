@@ -1,6 +1,6 @@
-// burin/base/files/svg.h - the elements that drawings are made of, as SVG text: each a line, to be joined.
-// Frame: SVG's, x right and y down, in the drawing's own units. Coordinates keep one decimal unless asked otherwise.
-// `attributes` stand in the element as they are: stroke="#ccc" stroke-width="2".
+// burin/base/files/svg.h - elements of drawings as SVG text: one line per element, for concatenation. Frame: SVG's, x
+// right and y down, in the drawing's own units. Coordinates have one decimal by default. `attributes` enter the element
+// unchanged: stroke="#ccc" stroke-width="2".
 #pragma once
 
 #include <Eigen/Core>
@@ -10,7 +10,7 @@
 
 namespace burin {
 
-/// Text as it may stand in XML and HTML: & < > " escaped.
+/// Text for XML and HTML: & < > " escaped.
 std::string xml_text(std::string_view text);
 
 std::string svg_line(const Eigen::Vector2d& from, const Eigen::Vector2d& to, std::string_view attributes,
@@ -18,7 +18,7 @@ std::string svg_line(const Eigen::Vector2d& from, const Eigen::Vector2d& to, std
 std::string svg_polyline(std::span<const Eigen::Vector2d> points, std::string_view attributes);
 std::string svg_polygon(std::span<const Eigen::Vector2d> points, std::string_view attributes);
 
-/// `words` are escaped here. `anchor`: the part of them that stands at `at`: start, middle or end.
+/// The function escapes `words`. `anchor` is the part of them at `at`: start, middle or end.
 std::string svg_words(const Eigen::Vector2d& at, std::string_view words, std::string_view anchor,
                       std::string_view attributes = "");
 

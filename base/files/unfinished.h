@@ -1,10 +1,10 @@
-// burin/base/files/unfinished.h - the files and folders that this process is making under names for a while, so that
-// a process that is told to stop takes them away, and stops between results, never within one.
+// burin/base/files/unfinished.h - registry of temporary files and folders of this process. A stopped process removes
+// them, and it stops between results, never within one.
 //
-// Whoever writes says begin_unfinished() before the first byte, holds making() from before that until the file is
-// there, holds finishing() while a result is put in its place (all renames of what belongs together), and says
-// end_unfinished() when the name is gone. A program that ends at once calls abandon_unfinished(): files that are being
-// made and renames that have begun are waited for, none begins any more, and what is left is removed.
+// A writer calls begin_unfinished() before the first byte and holds making() until the file exists. It holds
+// finishing() while it puts a result in its place (all renames of one result), and calls end_unfinished() when the
+// temporary name is gone. A program that exits at once calls abandon_unfinished(), which waits for files in creation
+// and for renames in progress, blocks new ones, and removes the remaining files.
 #pragma once
 
 #include <filesystem>
@@ -13,23 +13,23 @@
 
 namespace burin {
 
-/// From now on this file or folder is removed by abandon_unfinished().
+/// Registers a file or folder, which abandon_unfinished() will remove.
 void begin_unfinished(const std::filesystem::path& path);
 
-/// It is in its place, or removed.
+/// Unregisters it: it is in its place, or removed.
 void end_unfinished(const std::filesystem::path& path);
 
-/// Held while a file is named and opened: abandon_unfinished() waits for it, so that what it knows is there.
+/// Lock while a file is named and opened: abandon_unfinished() waits for it, so registered files exist.
 std::shared_lock<std::shared_mutex> making();
 
-/// Held while a result is put in its place: abandon_unfinished() waits for it.
+/// Lock while a result is put in its place: abandon_unfinished() waits for it.
 std::unique_lock<std::recursive_mutex> finishing();
 
-/// For a process that ends now: removes all that is unfinished. No other thread gets making() or finishing() from then
-/// on, so that nothing comes after it and nothing half removed is put in place. Says nothing of what cannot be removed.
+/// For a process that exits: removes all unfinished files. Afterwards no other thread gets making() or finishing(), so
+/// nothing new appears and no partly removed result is put in place. Ignores files that cannot be removed.
 void abandon_unfinished();
 
-/// begin_unfinished() and end_unfinished() of one name.
+/// Calls begin_unfinished() and end_unfinished() for one name.
 class Unfinished {
  public:
   explicit Unfinished(std::filesystem::path path);

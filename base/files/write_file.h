@@ -1,9 +1,9 @@
-// burin/base/files/write_file.h - how Burin writes a file, of whatever kind, in every room and command.
+// burin/base/files/write_file.h - atomic writing of files of all kinds; all libraries and commands use it.
 //
-// What is written is made in memory, written whole beside its place, read by no one until it is checked and on the
-// disk, and put there by a rename: who reads it, after whatever mishap, finds the old file or the new one. A symbolic
-// link stays and is followed; permissions and owners stay; devices and FIFOs are refused; a failure leaves nothing
-// behind. Files that belong together: burin/base/files/files_together.h. All of it: docs/reliability.md, "Writing".
+// The content is complete in memory first. A hidden file next to the final place receives it. After its check and sync
+// to disk, a rename puts it there. After any mishap, readers find the old file or the new one. Symbolic links remain
+// and are followed; permissions and owners remain; devices and FIFOs are errors; a failure leaves nothing behind. Files
+// that belong together: burin/base/files/files_together.h. docs/reliability.md, "Writing".
 #pragma once
 
 #include <filesystem>
@@ -13,32 +13,32 @@
 
 namespace burin {
 
-/// Looks at a file before it takes its place: gets the name that it has until then, and throws Error to refuse it.
+/// Checks a file before it takes its place: receives its temporary name, and throws Error to reject it.
 using CheckFile = std::function<void(const std::filesystem::path&)>;
 
-/// Whether a file has to be on the disk before its command ends (fsync), or whether it can be made again in no time.
+/// on_disk: synced (fsync) before the command ends. by_the_system: not synced, because it is quickly made again.
 enum class Durability { on_disk, by_the_system };
 
-/// Writes a file. Throws Error naming it where that cannot be done; what was there is then as before.
+/// Writes a file. Throws Error with its name on failure; the previous file then remains.
 void write_file(std::string_view bytes, const std::filesystem::path& file, Durability durability = Durability::on_disk,
                 const CheckFile& check = {});
 
-/// The same where bytes are written by what takes a path: `write` gets the name that the file has until it is in its
-/// place (same extension), fills it, and throws to refuse it.
+/// Writes through code that takes a path: `write` receives the temporary name (same extension), fills the file, and
+/// throws to reject it.
 void write_atomically(const std::filesystem::path& file,
                       const std::function<void(const std::filesystem::path&)>& write);
 
-/// Where a file named "-" goes: to this open descriptor, such as standard output; -1, as in the beginning: it is a name
-/// like others.
+/// Redirects a file named "-" to this open descriptor, such as standard output. -1, the default: "-" is an ordinary
+/// name.
 void set_result_output(int descriptor);
 
-/// A file of text, such as CSV, G-code or HTML.
+/// Writes a text file, such as CSV, G-code or HTML.
 void write_text(const std::string& text, const std::filesystem::path& file);
 
-/// Copies a file's bytes: `to` is as good as if it had been written. Throws Error where `from` cannot be read, too.
+/// Copies a file's bytes to `to` with the guarantees of write_file(). Throws Error for an unreadable `from`, too.
 void copy_whole(const std::filesystem::path& from, const std::filesystem::path& to);
 
-/// Removes a file that is there no more when this command has ended well. Nothing happens where there is none.
+/// Removes a file as part of this command's result. Ignores a missing file.
 void remove_file(const std::filesystem::path& file);
 
 }  // namespace burin
