@@ -1,5 +1,5 @@
-// burin/calib/verdict/at_bounds.h - unknowns that a fit left on the bounds of what is possible: photos do not hold
-// them.
+// burin/calib/verdict/at_bounds.h - unknowns at the bounds of their physical range after a fit: the photos do not
+// determine them.
 #pragma once
 
 #include <vector>
@@ -10,11 +10,11 @@
 
 namespace burin {
 
-/// Whether the fit left that unknown, a logarithm of all photos, on a bound.
+/// True if the fit left that unknown, a logarithm of all photos, on a bound.
 bool is_on_bound(const Problem& data, const State& state, int unknown);
 
-/// Names roughness, depth, the face's roughness and spots that ended on a bound, with what would hold them, and has
-/// `bench`'s verdict say that the photos do not tell them: what an optimizer ran into is no measurement.
+/// Reports roughness, depth, the face's roughness and spotlights that ended on a bound, with the remedy. In `bench`'s
+/// verdict they become not determined: an optimizer's bound is no measurement.
 std::vector<Finding> judge_bounds(const Problem& data, const Stage& stage, const State& state, Bench& bench);
 
 }  // namespace burin

@@ -1,10 +1,9 @@
-// burin/calib/verdict/candidate_photo.h - photos that nobody took yet: where the camera could stand, and what a photo
-// from there would tell.
+// burin/calib/verdict/candidate_photo.h - predicted information of future photos from possible viewpoints.
 //
-// What a photo tells is its Fisher information, J^T W J of the predicted photo's derivatives, the same that a fit to
-// the real one would have: of lens, bow and tags by its tags' corners (burin/calib/geometry/bundle.h), of lamp, grooves
-// and machine by every pixel (burin/calib/photo/photo_equations.h) and the tags' paper. It needs no pixel to be taken,
-// only a bench that is about right. Frame: board, mm.
+// The information of a photo is its Fisher information: J^T W J of the predicted photo's derivatives, as in a fit to
+// the real one. The corners of the tags inform about lens, bow and tags (burin/calib/geometry/bundle.h). All pixels
+// (burin/calib/photo/photo_equations.h) and the tags' paper inform about lamp, grooves and machine. The prediction
+// needs only an approximate setup. Frame: board, mm.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -22,27 +21,27 @@
 
 namespace burin {
 
-/// Adds the corners that a photo from each place would hold, without error, as views of `bundle` (after those it has).
-/// Tags that the place sees smaller than 15 px or not at all are left out. Of the tags listed in `board`, bundle.tags
-/// in the same order. `lens_scatter`: by how much their lenses will differ, if they will.
+/// Adds the predicted corners of a photo from each place, without error, as views of `bundle` (after its existing
+/// ones). Tags smaller than 15 px and invisible ones are omitted. The tags of `board` are in the order of bundle.tags.
+/// `lens_scatter`: expected variation of their lenses, if any.
 void append_candidates(Bundle& bundle, const Board& board, const std::vector<CameraPlace>& places,
                        double corner_sigma_px, const std::optional<LensScatter>& lens_scatter = {});
 
-/// How bright a candidate's photo would be, in radiance (linear value over gain and exposure factor).
+/// Predicted brightness of a candidate's photo, in radiance (linear value over gain and exposure factor).
 struct PredictedLight {
-  double paper = 0;  ///< the brightest white paper
-  double metal = 0;  ///< what one in a thousand pixels of metal exceeds
+  double paper = 0;  ///< of the brightest white paper
+  double metal = 0;  ///< 0.999 quantile of the metal's pixels
 };
 
-/// What a photo from a place would tell of light, grooves and machine, by all unknowns in the order of global_index().
+/// Predicted information of a photo about light, grooves and machine, for all unknowns in the order of global_index().
 struct LightCandidate {
   Eigen::MatrixXd information;
   Straddle straddle;
   PredictedLight light;
 };
 
-/// `data.model` says board, scratches and overlap, `data.is_spot` which lamps are spots; its photos and paper are not
-/// looked at. `bench` gives lens, bow and tags. `free`: which unknowns move.
+/// `data.model` gives board, scratches and crossing rule; `data.is_spot` marks spotlights. The function ignores the
+/// photos and paper of `data`. `bench` gives lens, bow and tags. `free` marks the variable unknowns.
 LightCandidate light_candidate(const Problem& data, const State& state, const Bench& bench, const CameraPlace& place,
                                std::size_t light, const std::vector<bool>& free,
                                const LightCandidateOptions& options = {});

@@ -1,4 +1,4 @@
-// burin/calib/verdict/effect_findings.h - what of a measured bench departs from the paper's model, in words.
+// burin/calib/verdict/effect_findings.h - deviations of a measured setup from the paper's model, in words.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,8 +10,8 @@
 
 namespace burin {
 
-/// A brushed face, backlash, uneven screws, another cross-section, paper's coat, a light that nobody named, each with
-/// what holds it; empty for a bench without.
+/// A finding for a brushed face, backlash, uneven screws, another cross-section, glossy paper and unmodeled light, each
+/// with its remedy; empty for a setup without them.
 std::vector<Finding> effect_findings(const Bench& bench, const Board& board);
 
 }  // namespace burin

@@ -1,10 +1,10 @@
-// burin/calib/verdict/groove_agreement.h - whether the grooves that photos show are those of the scratches that were
-// sent. Photos of another board have the right tags, and a fit then finds phantoms that make up for its grooves.
+// burin/calib/verdict/groove_agreement.h - test that the photos show the grooves of the sent scratches. Photos of
+// another board have the right tags, and a fit then finds wrong parameters that compensate for its grooves.
 //
-// Each photo is predicted twice: with the grooves where they are, and all of them aside by a few widths of a pixel. A
-// photo of these grooves lies at the first prediction, one of others half way between the two. Fitted to photos that
-// show none of its grooves, they fade until no photo by itself tells the predictions apart; all photos together still
-// do.
+// The test predicts each photo twice: with the grooves at their places, and with all of them shifted by a few pixel
+// widths. A photo of these grooves agrees with the first prediction; a photo of others is halfway between the two. In a
+// fit to photos without its grooves, they fade until no single photo distinguishes the predictions. All photos together
+// still distinguish them.
 #pragma once
 
 #include <cstddef>
@@ -15,17 +15,17 @@
 
 namespace burin {
 
-/// How a photo lies between the predictions.
+/// Position of a photo between the two predictions.
 struct GrooveAgreement {
-  bool tells = false;  ///< the two predictions differ by far more than the photo's noise
-  double share = 0;    ///< 1: it shows the grooves at their places; 0: it has nothing to do with them
-  double sigmas = 0;   ///< by how many of its standard deviations 1 lies from 0, noise and model error counted
+  bool tells = false;  ///< true: the predictions differ by far more than the photo's noise
+  double share = 0;    ///< 1: it shows the grooves at their places; 0: it is unrelated to them
+  double sigmas = 0;   ///< distance of 1 from 0 in the share's standard deviations, with noise and model error
 };
 
 /// One entry per photo of the problem, at `state`.
 std::vector<GrooveAgreement> groove_agreements(const Problem& data, const State& state);
 
-/// The photos, as indices, that show other grooves: one among good ones, or all of them.
+/// Indices of photos that show other grooves: single ones among good ones, or all.
 std::vector<std::size_t> photos_of_other_grooves(const std::vector<GrooveAgreement>& agreements);
 
 }  // namespace burin

@@ -1,12 +1,12 @@
-// burin/calib/verdict/identifiability.h - what the photos determine, weakly, or not at all: a verdict on every
-// parameter of a bench.
+// burin/calib/verdict/identifiability.h - identifiability report: status of every parameter of a setup as determined,
+// weakly determined, or not determined by the photos.
 //
-// A parameter is judged by its sigma (from the covariance, priors included) against two limits: below the first it is
-// determined, below the second weakly, else not. The sigma itself is put to a test first: balanced halves of the photos
-// (burin/calib/verdict/half_samples.h) are solved each for itself, to first order, and if they differ from one another
-// by more than chance allows for that sigma (once in a thousand times), the verdict says so and the sigma grows until
-// they do not. Poses are tested by halves of their tags. The depth of the grooves has a condition of its own: half
-// vectors on both sides of the grooves' cut-off (docs/model.md 2.4). Frame: board, mm.
+// The status compares a parameter's sigma (from the covariance, with priors) with two limits: below the first it is
+// determined, below the second weakly, otherwise not. A test checks the sigma first: balanced halves of the photos
+// (burin/calib/verdict/half_samples.h) are solved separately, to first order. If they differ by more than chance allows
+// for that sigma (once in a thousand cases), the verdict reports it and the sigma grows until they agree. Poses are
+// tested by halves of their tags. The depth of the grooves has an additional condition: half vectors on both sides of
+// the grooves' cut-off (docs/model.md 2.4). Frame: board, mm.
 #pragma once
 
 #include <Eigen/Core>
@@ -24,31 +24,31 @@
 
 namespace burin {
 
-/// What was judged, by its name in the verdict: the linear combinations of a problem's unknowns that it is made of.
+/// The judged parameters by their name in the verdict, as linear combinations of a problem's unknowns.
 using Combinations = std::map<std::string, std::vector<Eigen::VectorXd>>;
 
-/// Judges "lens", "poses" (and "pose.VIEW" where one is worse than determined), "board.tags", "board.bow_mm"; widens
-/// the views' center sigmas where their tags contradict each other. Combinations are of BundleEquations' columns.
+/// Judges "lens", "poses" (and "pose.VIEW" for views worse than determined), "board.tags" and "board.bow_mm". Increases
+/// the views' center sigmas if their tags contradict each other. Combinations are of BundleEquations' columns.
 Combinations judge_geometry(const BoardSolution& geometry, const Board& board, bool fixed_lens, Bench& bench);
 
 /// Judges "alpha", "depth_um", "base_alpha", "machine.affine", "ambient", "sensor.vignette", "sensor.psf_sigma_px" and,
-/// for each lamp, "light.ID.position_mm", ".intensity", ".axis" and ".falloff_exponent". `bench` holds the fitted
-/// values and their sigmas; those of what is not determined at all are taken away, those that halves contradict grow.
-/// Combinations are of the unknowns in the order of global_index().
+/// for each lamp, "light.ID.position_mm", ".intensity", ".axis" and ".falloff_exponent". `bench` has the fitted values
+/// and their sigmas. The function removes sigmas of parameters that are not determined, and increases sigmas that
+/// halves contradict. Combinations are of the unknowns in the order of global_index().
 Combinations judge_light(const Problem& data, const State& state, const Uncertainty& uncertainty, const Stage& stage,
                          Bench& bench);
 
-/// Light's normal equations in parts, for half_samples(): one part a view (all photos that share a pose), paired within
-/// the lamp of its first photo with the view whose half vector leans most alike.
+/// Normal equations of light in parts, for half_samples(). A part is a view: all photos with one pose. Views whose
+/// first photos share a lamp form pairs, by similar tilt of their half vectors.
 EquationsInParts light_in_parts(const Problem& data, const State& state, const Uncertainty& uncertainty);
 
-/// Covariance of the affine map (one row of it: x, y, 1) that best takes the tags' true centers to the believed ones:
-/// how well the board's own frame is known, which photos of tags and scratches cannot tell. mm^2.
+/// Covariance of the affine map (one row of it: x, y, 1) that best maps the tags' true centers to their prior. It is
+/// the uncertainty of the board's own frame, which photos of tags and scratches cannot determine. mm^2.
 Eigen::Matrix3d tag_frame_covariance(const Board& board);
 
-/// Pairs of scratch and photo near the groove's cut-off: how many half vectors lean less, and how many more, across the
-/// scratch than its steepest normal, 2 atan(T). Only scratches that could glint count: h within 2 alpha of the plane
-/// across, and pairs so near the edge that alpha blurs it do not.
+/// Pairs of scratch and photo near the groove's cut-off: numbers of half vectors that lean less, and more, across the
+/// scratch than its steepest normal, 2 atan(T). Only scratches that could glint count: h is within 2 alpha of the plane
+/// across. Pairs so near the edge that alpha blurs it do not count.
 struct Straddle {
   std::size_t inside = 0, outside = 0;
   bool both() const {
@@ -56,12 +56,12 @@ struct Straddle {
     return inside >= kFewest && outside >= kFewest;
   }
 };
-/// For one photo under one lamp, at the middles of the scratches.
+/// Counts for one photo under one lamp, at the middles of the scratches.
 Straddle straddle_of(const Carved& carved, const Surface& surface, double alpha, double depth_um, double tool_width_um,
                      const Eigen::Vector3d& lamp_mm, const Eigen::Vector3d& camera_mm,
                      const GrooveProfile& profile = {});
 
-/// Over all photos of a problem.
+/// Counts over all photos of a problem.
 Straddle straddle_of(const Problem& data, const State& state);
 
 }  // namespace burin

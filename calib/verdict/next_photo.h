@@ -1,12 +1,12 @@
-// burin/calib/verdict/next_photo.h - for what a session's photos left open: the one photo more that would help most.
+// burin/calib/verdict/next_photo.h - the most helpful additional photo for parameters that a session's photos do not
+// determine.
 //
-// Every candidate (burin/calib/verdict/candidate_photo.h: the camera on a hemisphere, under each lamp and under the
-// first one moved round the board) adds its information to that of the photos taken; the one that makes the parameter's
-// variance smallest is named in the parameter's verdict, with what its sigma would come to, if that is a third less: a
-// photo that brings less is not worth the way. A moved lamp is another lamp to the bench, and work: it is named only
-// where no photo under the lamps as they stand tells enough. The camera
-// stands within the focus that the photos taken have (FocusRange), wherever the whole board is seen from there. Frame:
-// board, mm.
+// Candidates (burin/calib/verdict/candidate_photo.h) have the camera on a hemisphere, under each lamp and under the
+// first lamp moved around the board. Each adds its information to the information of the existing photos. The
+// parameter's verdict names the candidate with the smallest variance and its predicted sigma, if the sigma decreases by
+// a third: a smaller gain is not worth the effort. A moved lamp is a new lamp of the setup, and more work. It is named
+// only if no photo under the existing lamps is informative enough. The camera stays within the focus of the existing
+// photos (FocusRange), if the whole board is visible from there. Frame: board, mm.
 #pragma once
 
 #include <cstddef>
@@ -23,19 +23,20 @@
 
 namespace burin {
 
-/// For lens, tags and bow: fills in Verdict::next_photo of those of `judged` that are not determined.
+/// For lens, tags and bow: sets Verdict::next_photo of undetermined parameters in `judged`.
 void advise_geometry(const BoardSolution& geometry, const Board& board, const Combinations& judged, Bench& bench);
 
-/// Whether a photo tells enough to be taken, and under the lamps as they stand, so that none has to be put elsewhere
-/// for one that tells more: what it leaves of the parameter's sigma is two thirds at most or, of a depth whose cut-off
-/// is not seen (else 0), how many half vectors then lie on either side of it, and how many do now.
+/// True if a photo is informative enough, so that no lamp needs to move for a better one. `sigma_ratio`, the remaining
+/// fraction of the parameter's sigma, is then at most two thirds. For a depth with an unseen cut-off, two such photos
+/// must show it: `half_vectors` and `half_vectors_now` count half vectors on each side, with the photo and without
+/// (otherwise 0).
 bool is_worth_taking(double sigma_ratio, std::size_t half_vectors, std::size_t half_vectors_now);
 
-/// What a photo needs that is taken under a lamp where none of `lamps` (the bench's; not empty) stands: where it is,
-/// what to write into bench.json, and which folder the photo goes into (burin/capture/lamp_folders.h).
+/// Instructions for a photo under a lamp at a new place, different from all of `lamps` (the setup's; not empty): the
+/// place, the entry of bench.json, and the folder of the photo (burin/capture/lamp_folders.h).
 std::string moved_lamp_in_words(const Light& moved, const std::vector<Light>& lamps, const Board& board);
 
-/// For grooves, lamps, machine and the rest of the light; renders the candidates (some seconds), unless all of it is
+/// For grooves, lamps, machine and the rest of the light. Renders the candidates (some seconds), unless everything is
 /// determined.
 void advise_light(const Problem& data, const State& state, const Uncertainty& uncertainty, const Combinations& judged,
                   Bench& bench, const Progress& progress = {});

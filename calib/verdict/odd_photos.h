@@ -1,5 +1,5 @@
-// burin/calib/verdict/odd_photos.h - photos that the model explains far worse than the others, and what that moves:
-// a second lamp or a window shows where its mirror image is, in one photo of all.
+// burin/calib/verdict/odd_photos.h - photos that the model fits far worse than the others, and their effect on the
+// estimates. A second lamp or a window appears at its mirror image, in one photo only.
 #pragma once
 
 #include <vector>
@@ -9,9 +9,9 @@
 
 namespace burin {
 
-/// Adds to `uncertainty` a misfit for each view whose residuals, in the camera's noise, are several times the other
-/// views'; by how far the answer moves without it is added to the shifts. `photos`: as fitted, in the problem's order
-/// (Uncertainty::part_photo points into them). Nothing where views are fewer than four.
+/// Adds to `uncertainty` a misfit for each view whose residuals, in units of the camera's noise, are several times the
+/// other views'. The shift of the estimates without that view joins the shifts. `photos` are in the problem's order
+/// (Uncertainty::part_photo indexes them). Fewer than four views give no result.
 void add_odd_photos(const std::vector<PhotoFit>& photos, Uncertainty& uncertainty);
 
 }  // namespace burin

@@ -1,5 +1,5 @@
-// burin/calib/verdict/photo_uncertainty.h - how well photos determine what was fitted to them. The estimates are
-// described in burin/calib/refine.h.
+// burin/calib/verdict/photo_uncertainty.h - uncertainty of parameters fitted to photos. burin/calib/refine.h describes
+// the estimates.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,31 +15,31 @@ namespace burin {
 
 /// Covariances over all unknowns of a problem, in the order of global_index().
 struct Uncertainty {
-  std::vector<Eigen::MatrixXd> covariances;  ///< several estimates, over all unknowns; held ones are 0
-  /// The normal equations that they were made from, in parts that could have been taken alone (views: all photos that
-  /// share a pose), and the priors'. With the geometry known, all gradients add up to 0 at the optimum. For
+  std::vector<Eigen::MatrixXd> covariances;  ///< several estimates, over all unknowns; fixed unknowns are 0
+  /// The priors' normal equations, and those of the data in parts that could have been taken alone (views: all photos
+  /// with one pose). With known geometry, all gradients add up to 0 at the optimum. For
   /// burin/calib/verdict/half_samples.h.
   std::vector<bool> free;
-  std::vector<std::size_t> part_photo;  ///< index of the part's first photo, whose lamp stands for the part's
+  std::vector<std::size_t> part_photo;  ///< index of the part's first photo, whose lamp represents the part
   std::vector<Eigen::MatrixXd> part_information;
   std::vector<Eigen::VectorXd> part_gradient;
-  std::vector<Eigen::VectorXd> part_shift;  ///< by how much the answer moves without the part, the tags' hold included
+  std::vector<Eigen::VectorXd> part_shift;  ///< shift of the estimates without the part, with the tags' constraint
   Eigen::VectorXd prior_information, prior_gradient;  ///< information: the diagonal
-  /// The Cramer-Rao bound: what an unbiased fit of these unknowns to these pixels could reach if the camera's noise
-  /// were all that is wrong with them, poses known. How far sigma() stands above it is what the model misses.
+  /// Cramer-Rao bound: the limit for an unbiased fit of these unknowns to these pixels with only the camera's noise and
+  /// known poses. The excess of sigma() over it is due to model error.
   Eigen::MatrixXd noise_bound;
 
-  /// Of each view's camera center, board axes, by the same estimates but the jackknife: without its own photos a camera
-  /// is where the tags have it. Empty where cameras did not move; 0 for a view without photos.
+  /// Sigma of each view's camera center, board axes, by the same estimates except the jackknife: without its own
+  /// photos, the tags alone determine a camera. Empty if cameras were fixed; 0 for a view without photos.
   std::vector<Eigen::Vector3d> center_sigma_mm;
 
-  /// By how much the answer moves under choices that are as good as the one made, and between classes of pixels that
-  /// contradict each other (model_tests.h); each counts as one sigma.
+  /// Shifts of the estimates under equally good choices, and between classes of pixels that contradict each other
+  /// (model_tests.h); each counts as one sigma.
   std::vector<Eigen::VectorXd> shifts;
-  /// Where photos and model contradict each other; how far that moves the answer is among the shifts.
+  /// Contradictions between photos and model; their effects on the estimates are among the shifts.
   std::vector<Misfit> misfits;
 
-  /// The largest of the estimates for the linear combination a, and the shifts.
+  /// The largest of the estimates for the linear combination a, combined with the shifts.
   double sigma(const Eigen::VectorXd& a) const {
     double variance = 0;
     for (const Eigen::MatrixXd& c : covariances) variance = std::max(variance, a.dot(c * a));
@@ -50,7 +50,8 @@ struct Uncertainty {
   double bound(int index) const { return std::sqrt(noise_bound(index, index)); }
 };
 
-/// At the optimum `state` of what `stage` freed, poses, bow and lens (where the problem has a prior for them) included.
+/// At the optimum `state` of the unknowns that `stage` freed, with poses, bow and lens (if the problem has a prior for
+/// them).
 Uncertainty uncertainty_of(const Problem& data, const Stage& stage, const State& state);
 
 }  // namespace burin

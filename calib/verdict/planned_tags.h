@@ -1,4 +1,4 @@
-// burin/calib/verdict/planned_tags.h - which of very many tags a plan of photos is made with.
+// burin/calib/verdict/planned_tags.h - selection of tags for plans of photos on boards with very many tags.
 #pragma once
 
 #include <cstddef>
@@ -7,12 +7,12 @@
 
 namespace burin {
 
-/// Above so many tags a plan is made with some of them: the work grows with the cube of their number, and what a photo
-/// tells of lens, poses and bow hardly changes once there are dozens.
+/// Largest number of tags in a plan. The work grows with the cube of their number, and beyond dozens of tags the
+/// information about lens, poses and bow hardly changes.
 constexpr std::size_t kMostPlannedTags = 60;
 
-/// The board with at most kMostPlannedTags of its tags, spread as far apart as they go (each is the one furthest from
-/// those before it); with all of them, if they are no more.
+/// The board with at most kMostPlannedTags of its tags, spread as far apart as possible (each is the one furthest from
+/// the earlier ones); with all of them, if they are no more.
 Board with_planned_tags(const Board& board);
 
 }  // namespace burin

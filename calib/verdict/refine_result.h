@@ -1,5 +1,5 @@
-// burin/calib/verdict/refine_result.h - from a solved problem to what a person is told: bench.json's numbers, their
-// sigmas and verdicts, how each photo is explained. Used by refine.h.
+// burin/calib/verdict/refine_result.h - from a solved problem to results for people: bench.json's numbers, their sigmas
+// and verdicts, and the fit of each photo. Used by refine.h.
 #pragma once
 
 #include <set>
@@ -14,27 +14,27 @@
 
 namespace burin {
 
-/// How photo k is explained.
+/// Fit of photo k.
 PhotoFit photo_fit(const Problem& data, std::size_t k, const State& state, const Carved& carved, const Bench& bench);
 
-/// Colors: with everything else known, each channel of a photo is linear in its lamp's intensity and the ambient
-/// light. Splits the intensities and ambient light of `bench` (means of the channels) into channels; nothing for mono
-/// photos. Returns which lights (indices into bench.lights) photos in color showed.
+/// Colors: with all other parameters known, each channel of a photo is linear in its lamp's intensity and the ambient
+/// light. Splits the intensities and ambient light of `bench` (means of the channels) into channels; monochrome photos
+/// change nothing. Returns the lights (indices into bench.lights) with photos in color.
 std::set<std::size_t> fit_colors(const Problem& data, std::span<const MergedView> merged, const State& state,
                                  Bench& bench);
 
-/// Lights that photos in color did not show (`told` are those that they did) keep the colors that lights of their names
-/// have in `given`: the ratio of the channels, their mean being as in `bench`. Says in a note which those are.
+/// Lights without photos in color (not in `told`) keep the colors of the light with the same name in `given`: the ratio
+/// of the channels, with the mean in `bench`. A note lists them.
 std::vector<Finding> keep_colors(std::span<const Light> given, const std::set<std::size_t>& told, Bench& bench);
 
 /// Writes state and uncertainty into out.bench, and judges each parameter (burin/calib/verdict/identifiability.h).
-/// `session`: whose files the findings name; null: none.
+/// `session` is the session whose files the findings name; null: none.
 Combinations fill_bench(const Problem& data, const State& state, const Uncertainty& uncertainty, const Stage& stage,
                         const Session* session, Refinement& out);
 
-/// What the photos do not tell of grooves and face goes back to what board.json believes, in `state` and `bench`, and
-/// the verdict says so: where an optimizer strayed to is no knowledge. Not what the verdict calls refuted
-/// (Cause::Kind::believed_refuted). Also notes what the board was told.
+/// Resets parameters of grooves and face that the photos do not determine to board.json's prior, in `state` and
+/// `bench`. The verdict reports it: an optimizer's undetermined result carries no information. Refuted priors
+/// (Cause::Kind::believed_refuted) are exempt. Also records the board's commanded values.
 void keep_believed(const Board& board, State& state, Bench& bench);
 
 }  // namespace burin

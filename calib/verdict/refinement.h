@@ -1,4 +1,4 @@
-// burin/calib/verdict/refinement.h - what burin/calib/refine.h finds. Frame: board, mm.
+// burin/calib/verdict/refinement.h - the result of burin/calib/refine.h. Frame: board, mm.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,16 +12,16 @@
 
 namespace burin {
 
-/// How one photo (a view under one lamp, exposures merged) is explained.
+/// Fit of one photo (a view under one lamp, exposures merged).
 struct PhotoFit {
   std::string view, light;
   std::size_t pixels = 0;   ///< used
   double residual_rms = 0;  ///< of photo - prediction, linear, relative to the photo's RMS value; outliers excluded
-  double residual_to_noise = 0;  ///< robust RMS of residual / the photo's own noise: 1 where the model is perfect
+  double residual_to_noise = 0;  ///< robust RMS of residual / the photo's own noise: 1 for a perfect model
   double outliers = 0;           ///< fraction of pixels beyond 4 sigma of noise and model error
 };
 
-/// A reported sigma beside the Cramer-Rao bound of white noise: the rest is what the model misses.
+/// A reported sigma and the Cramer-Rao bound of white noise; the excess is model error.
 struct NoiseBound {
   std::string name;  ///< as in the verdict
   double sigma = 0, bound = 0;
@@ -31,17 +31,17 @@ struct NoiseBound {
 struct Refinement {
   Bench bench;  ///< completed: material, lights, sensor, ambient, machine_affine, sigmas, verdict
   std::vector<PhotoFit> photos;
-  double model_error = 0;  ///< relative, what the residuals say that the model misses beyond noise
-  /// How much roughness and depth differ from groove to groove, as the residuals say: sigmas of their logarithms.
+  double model_error = 0;  ///< relative model error beyond noise, from the residuals
+  /// Groove-to-groove variation of roughness and depth from the residuals: sigmas of their logarithms.
   double alpha_jitter = 0, depth_jitter = 0;
-  /// What pixels scatter along their slopes by log alpha and log depth, grooves' differences included
+  /// Scatter of pixels along their slopes by log alpha and log depth, with groove-to-groove variation
   /// (photo_problem.h).
   Eigen::Vector2d slope_error{0, 0};
-  double looked_at = 1;                    ///< share of the carve area that counts: of a crowded board only squares do
-  int bin = 1;                             ///< merged pixels, either way, in one of the fit's at its finest
-  std::vector<NoiseBound> noise_bounds;    ///< of alpha, base_alpha, depth_um and the lamps, as far as they were fitted
+  double looked_at = 1;                    ///< fraction of the carve area in use: on a crowded board only squares
+  int bin = 1;                             ///< merged pixels per side of one pixel of the finest fit
+  std::vector<NoiseBound> noise_bounds;    ///< of the fitted ones among alpha, base_alpha, depth_um and the lamps
   std::vector<std::string> other_grooves;  ///< views whose photos show other grooves than the scratches'
-  std::vector<Finding> findings;           ///< what was left out, what looks wrong
+  std::vector<Finding> findings;           ///< omitted data and suspicious results
 };
 
 }  // namespace burin
