@@ -5,7 +5,7 @@
 namespace burin {
 namespace {
 
-// Libraries below us explain themselves in several lines; a person gets one sentence.
+// Libraries report errors in several lines; people get one sentence.
 std::string one_line(const std::string& text) {
   std::string out;
   for (const char c : text) {

@@ -17,7 +17,7 @@ struct Tap {
   std::vector<float> weights;
 };
 
-/// Down: every source sample counts by how much of the destination's span it covers. Up: linear between centers.
+/// Down: the weight of a source sample is its overlap with the destination's span. Up: linear between centers.
 std::vector<Tap> taps(int source, int destination) {
   std::vector<Tap> list(destination);
   const double scale = static_cast<double>(source) / destination;

@@ -6,13 +6,13 @@
 
 #include "burin/base/error.h"
 
-/// OpenMP's own function, if some library of this process brought OpenMP (SuiteSparse, LibRaw).
+/// OpenMP's function, present if some library of this process brings OpenMP (SuiteSparse, LibRaw).
 extern "C" void omp_set_num_threads(int count) __attribute__((weak));
 
 namespace burin {
 namespace {
 
-/// OpenMP has threads of its own, and so has OpenImageIO (pictures/picture_file.cpp); all others (OpenCV, Embree) take
+/// OpenMP and OpenImageIO (pictures/picture_file.cpp) have their own threads; all other libraries (OpenCV, Embree) use
 /// TBB's.
 void follow_limit() {
   if (omp_set_num_threads != nullptr) omp_set_num_threads(thread_count());

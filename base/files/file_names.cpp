@@ -8,9 +8,9 @@
 namespace burin {
 namespace {
 
-constexpr std::size_t kLongestStem = 100;  // of 255 bytes: what is put before and behind it needs some
+constexpr std::size_t kLongestStem = 100;  // of 255 bytes: prefixes and suffixes need some
 
-// Bytes of the UTF-8 character that begins there: 0 where none does (RFC 3629: shortest form, no surrogates).
+// Length in bytes of the UTF-8 character at `at`; 0 if none begins there (RFC 3629: shortest form, no surrogates).
 std::size_t character_at(std::string_view text, std::size_t at) {
   const auto byte = [&](std::size_t i) {
     return at + i < text.size() ? static_cast<unsigned char>(text[at + i]) : static_cast<unsigned char>(0);
@@ -28,7 +28,7 @@ std::size_t character_at(std::string_view text, std::size_t at) {
   return length;
 }
 
-// Characters that no one sees or that turn the direction of a line: a file's name is not to be taken for another's.
+// Characters that are invisible or turn the writing direction: they could disguise a file's name as another.
 bool is_invisible(std::string_view c) {
   if (c.size() == 2) return c[0] == '\xC2' && static_cast<unsigned char>(c[1]) < 0xA1;  // controls, no-break space
   if (c.size() != 3 || c[0] != '\xE2') return c == "\xE3\x80\x80" || c == "\xEF\xBB\xBF";
@@ -36,7 +36,7 @@ bool is_invisible(std::string_view c) {
   return (second == 0x80 && (third < 0x90 || (third >= 0xA8 && third <= 0xAF))) || (second == 0x81 && third >= 0x9F);
 }
 
-// The number of a whole character.
+// The code point of a complete character.
 std::uint32_t code_of(std::string_view c) {
   const auto byte = [&](std::size_t i) { return static_cast<std::uint32_t>(static_cast<unsigned char>(c[i])); };
   if (c.size() == 1) return byte(0);
@@ -51,14 +51,14 @@ bool is_among(std::uint32_t code, const std::uint32_t (&ranges)[N][2]) {
                      [code](const auto& range) { return code >= range[0] && code <= range[1]; });
 }
 
-// A mark that changes the letter before it; Hangul's vowels and endings are written so, too.
+// Combining marks, which change the previous letter; Hangul's vowels and endings are encoded in this way, too.
 bool is_mark(std::uint32_t code) {
   constexpr std::uint32_t kMarks[][2] = {{0x300, 0x36F},   {0x1160, 0x11FF}, {0x1AB0, 0x1AFF}, {0x1DC0, 0x1DFF},
                                          {0x20D0, 0x20FF}, {0x3099, 0x309A}, {0xFE20, 0xFE2F}};
   return is_among(code, kMarks);
 }
 
-// A letter that may also be written as another one with marks: Latin, Greek, Cyrillic, Hebrew, Arabic, Indic scripts,
+// Letters with a second encoding as another letter and marks: Latin, Greek, Cyrillic, Hebrew, Arabic, Indic scripts,
 // Kana, Hangul.
 bool may_hold_marks(std::uint32_t code) {
   constexpr std::uint32_t kLetters[][2] = {{0xC0, 0x24F},    {0x370, 0x6FF},   {0x900, 0xDFF},   {0x1100, 0x115F},
@@ -66,12 +66,12 @@ bool may_hold_marks(std::uint32_t code) {
   return is_among(code, kLetters);
 }
 
-// A file system, or the way to one, may write the same letters with marks apart or in one: those are equal here, and a
-// few more. `has_marks`: whether it is written with marks apart.
+// A file system, or the transport to it, may encode letters and marks separately or together. This function makes such
+// names equal, and a few more. `has_marks`: the name has separate marks.
 std::string without_marks(std::string_view name, bool& has_marks) {
   std::string out;
   has_marks = false;
-  std::size_t last = 0;  // where the last letter begins
+  std::size_t last = 0;  // start of the last letter
   for (std::size_t at = 0; at < name.size();) {
     const std::size_t length = std::max<std::size_t>(1, character_at(name, at));
     const std::string_view c = name.substr(at, length);
@@ -112,7 +112,7 @@ std::string file_name_of(std::string_view name) {
 std::vector<std::string> distinct_file_names(const std::vector<std::string>& names,
                                              const std::vector<std::string>& endings) {
   std::vector<std::string> out;
-  std::set<std::string> taken, shapes, shapes_with_marks;  // shapes: without marks
+  std::set<std::string> taken, shapes, shapes_with_marks;  // shapes: names without marks
   const auto is_taken = [&](const std::string& each) {
     bool has_marks = false;
     const std::string shape = without_marks(each, has_marks);

@@ -27,8 +27,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// On, the change is to be completed; back, to be taken back. A rename turns the one into the other, without needing
-// room on the disk.
+// kOn marks a change to be completed, kBack a change to be reverted. A rename turns one into the other without space on
+// the disk.
 constexpr const char *kOn = ".burin-change", *kBack = ".burin-change-back";
 constexpr std::string_view kBegin = "burin/change 2", kEnd = "end";
 
@@ -39,18 +39,18 @@ std::function<void(const std::string&)>& report_of_settled() {
   return report;
 }
 
-// The same file by whatever name, where links have been followed.
+// A key of the file, equal for all its names, with links followed.
 std::string key_of(const fs::path& file) {
   std::error_code error;
   const fs::path folder = fs::canonical(file.has_parent_path() ? file.parent_path() : fs::path("."), error);
   return ((error ? fs::absolute(file.parent_path()).lexically_normal() : folder) / file.filename()).native();
 }
 
-// A file's move, relative to the journal's folder. Names are separated by zero bytes, which no name holds.
+// A file's move, relative to the journal's folder. Zero bytes separate names, because no name contains one.
 struct Move {
   std::string file, part, former;
-  ino_t old_inode = 0;  // of what was there; 0: nothing
-  ino_t new_inode = 0;  // of the part file; 0: it is a removal
+  ino_t old_inode = 0;  // of the old file; 0: none
+  ino_t new_inode = 0;  // of the part file; 0: a removal
 
   bool there() const { return old_inode != 0; }
 };
@@ -65,8 +65,7 @@ std::string text_of(const std::vector<Move>& moves) {
   return text += kEnd;
 }
 
-// A journal may come from a stranger: all that it can name is a file within the folder that it lies in, and that file's
-// part files beside it.
+// A journal may come from a stranger. It may only name files within its own folder, and the part files next to them.
 bool is_within(const fs::path& name, const fs::path& folder) {
   if (name.empty() || name.is_absolute()) return false;
   for (const fs::path& step : name)
@@ -92,7 +91,7 @@ ino_t number_in(const std::string& text) {
   return error == std::errc() && end == text.data() + text.size() ? number : 0;
 }
 
-// The moves of a journal; none where it was cut off before anything was moved.
+// The moves of a journal; nothing if it is truncated, because then nothing was moved.
 std::optional<std::vector<Move>> moves_of(const std::string& text, const fs::path& folder) {
   std::vector<std::string> fields;
   for (std::size_t at = 0; at <= text.size();) {
@@ -111,7 +110,7 @@ std::optional<std::vector<Move>> moves_of(const std::string& text, const fs::pat
   return moves;
 }
 
-// The number of the file or the link by that name; 0: there is none.
+// The inode number of the file or link with that name; 0: none.
 ino_t inode_of(const fs::path& file) {
   struct stat found {};
   return ::lstat(file.c_str(), &found) == 0 && !S_ISDIR(found.st_mode) ? found.st_ino : 0;
@@ -122,26 +121,26 @@ bool is_there(const fs::path& file) {
   return ::lstat(file.c_str(), &found) == 0;
 }
 
-// Whether part files that are there are those that were written for this change, on this disk.
+// True if the existing part files were written for this change, on this disk.
 bool is_of_here(const Move& m, const fs::path& folder) {
   return (m.part.empty() || !is_there(folder / m.part) || inode_of(folder / m.part) == m.new_inode) &&
          (!is_there(folder / m.former) || (m.there() && inode_of(folder / m.former) == m.old_inode));
 }
 
-// 0, or what went wrong.
+// Returns 0 or an errno.
 int renamed(const fs::path& from, const fs::path& to) { return std::rename(from.c_str(), to.c_str()) == 0 ? 0 : errno; }
 
-// One file on its way; what it was stays as `former`. 0, or what went wrong.
+// Moves one file to its place; its old content remains as `former`. Returns 0 or an errno.
 int move_on(const Move& m, const fs::path& folder) {
   const fs::path file = folder / m.file, former = folder / m.former;
   if (m.part.empty()) return m.there() ? renamed(file, former) : 0;
-  // A second name for the old file, or, where the file system knows none, the old file by that name.
+  // A second name for the old file; on a file system without hard links, a rename of the old file.
   if (m.there() && ::link(file.c_str(), former.c_str()) != 0)
     if (const int error = renamed(file, former)) return error;
   return renamed(folder / m.part, file);
 }
 
-// The same, of a change that was cut off anywhere.
+// move_on() for a change that was interrupted at any point.
 int complete(const Move& m, const fs::path& folder) {
   const fs::path file = folder / m.file;
   if (!m.part.empty()) return is_there(folder / m.part) ? renamed(folder / m.part, file) : 0;
@@ -153,7 +152,7 @@ int take_back(const Move& m, const fs::path& folder) {
   const bool moved = !m.part.empty() && !is_there(folder / m.part);
   if (is_there(former)) {
     if (const int error = renamed(former, file)) return error;
-    ::unlink(former.c_str());  // two names of one file: the rename did nothing, and there was nothing to do
+    ::unlink(former.c_str());  // two names of one file: the rename had no effect, and none was necessary
   } else if (moved && !m.there() && inode_of(file) == m.new_inode) {
     ::unlink(file.c_str());
   }
@@ -167,7 +166,7 @@ std::set<fs::path> folders_of(const std::vector<Move>& moves, const fs::path& fo
   return folders;
 }
 
-// All moves are made: the new names first, then the journal goes, then what was.
+// Ends a change after all moves: syncs the new names, then removes the journal, then the old files.
 void finish(const std::vector<Move>& moves, const fs::path& folder, const fs::path& journal) {
   for (const fs::path& each : folders_of(moves, folder)) sync_folder(each);
   ::unlink(journal.c_str());
@@ -190,11 +189,11 @@ std::string count_of(const std::vector<Move>& moves) { return counted(moves.size
        "run the command as the owner of that folder, on a disk that can be written to");
 }
 
-// `wanted`: the file that is to be read or written; empty: whatever lies here may be changed. False: it was left as it
-// is.
+// `wanted` is the file to be read or written; empty: all files here may change. Returns false if the journal was left
+// unchanged.
 bool settle_journal(const fs::path& folder, const char* name, const fs::path& wanted) {
   const fs::path journal = folder / name;
-  // A link or a FIFO by that name is none of ours.
+  // A link or a FIFO with that name is not a journal of Burin.
   const Descriptor file(::open(journal.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
   struct stat found {};
   if (!file) {
@@ -202,11 +201,11 @@ bool settle_journal(const fs::path& folder, const char* name, const fs::path& wa
     fail_mixed(folder, errno);
   }
   if (::fstat(file.number(), &found) != 0 || !S_ISREG(found.st_mode)) return true;
-  // In /tmp and the like anybody can lay one down.
+  // In a shared folder such as /tmp, anybody can create one.
   struct stat around {};
   if (::stat(folder.c_str(), &around) == 0 && (around.st_mode & S_ISVTX) != 0 && found.st_uid != ::geteuid())
     return true;
-  // Its process holds it while it lives; a change takes milliseconds.
+  // Its live process holds the lock; a change takes milliseconds.
   for (int tries = 0; ::flock(file.number(), LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK; ++tries) {
     constexpr int kTries = 1000, kTry_us = 10'000;
     if (tries == kTries)
@@ -214,10 +213,10 @@ bool settle_journal(const fs::path& folder, const char* name, const fs::path& wa
            "wait until it has ended, or stop it");
     ::usleep(kTry_us);
   }
-  if (!is_at(file.number(), journal)) return true;  // it has ended
+  if (!is_at(file.number(), journal)) return true;  // the change has ended
   const auto moves = moves_of(text_in(file.number()), folder);
   if (!wanted.empty() && !may_change_in(folder, wanted)) {
-    // None of ours to settle; only what it is about cannot be trusted.
+    // Burin may not settle this journal, but the files that it names cannot be trusted.
     const auto is_wanted = [&](const Move& m) { return key_of(folder / m.file) == key_of(wanted); };
     if (moves && std::any_of(moves->begin(), moves->end(), is_wanted))
       fail(wanted.string(), "belongs to a change of several files that was cut off in " + folder.string(),
@@ -246,7 +245,7 @@ bool settle_journal(const fs::path& folder, const char* name, const fs::path& wa
   return true;
 }
 
-// The folder that holds them all, for a journal that their readers find: at most two above each.
+// The common folder of all files, at most two levels above each, so that their readers find the journal.
 fs::path common_folder(const std::vector<FilesTogether::Item>& items) {
   std::error_code error;
   fs::path common;
@@ -265,12 +264,12 @@ fs::path common_folder(const std::vector<FilesTogether::Item>& items) {
   return common;
 }
 
-// Steps down from a folder to one within it.
+// Levels between a folder and one within it.
 std::ptrdiff_t depth_below(const fs::path& folder, const fs::path& within) {
   return std::distance(within.begin(), within.end()) - std::distance(folder.begin(), folder.end());
 }
 
-// Moves with one journal. Throws Error with everything as before.
+// Moves the files with one journal. On failure, it throws Error and all files are unchanged.
 void put_with_journal(std::vector<FilesTogether::Item>& items, const fs::path& folder) {
   std::vector<Move> moves;
   for (FilesTogether::Item& item : items) {
@@ -291,7 +290,7 @@ void put_with_journal(std::vector<FilesTogether::Item>& items, const fs::path& f
     if (!file && (errno != EEXIST || tries == kTries)) fail_with(journal, "cannot be written", errno);
     if (!file) continue;
     ::flock(file.number(), LOCK_EX);
-    if (is_at(file.number(), journal)) break;  // not taken for one that was cut off, in between
+    if (is_at(file.number(), journal)) break;  // no other process removed it meanwhile as an interrupted one
   }
   int error = write_all(file.number(), text_of(moves));
   if (error == 0 && ::fsync(file.number()) != 0 && errno != EINVAL) error = errno;
@@ -329,10 +328,10 @@ FilesTogether::~FilesTogether() {
 
 void FilesTogether::put() {
   if (outer_ != nullptr) return;
-  change_of_thread = nullptr;  // the change is over: what is written from now on is none of it
+  change_of_thread = nullptr;  // the change is over: later files do not belong to it
   if (items_.empty()) return;
   const auto whole = finishing();
-  if (items_.size() == 1 && !items_.front().part.empty()) {  // one rename is all or nothing by itself
+  if (items_.size() == 1 && !items_.front().part.empty()) {  // a single rename is atomic by itself
     const Item& item = items_.front();
     if (const int error = renamed(item.part, item.place.file)) fail_with(item.place.named, "cannot be written", error);
     sync_folder(item.place.folder());
@@ -342,14 +341,14 @@ void FilesTogether::put() {
     return;
   }
   const fs::path common = common_folder(items_);
-  constexpr std::ptrdiff_t kFarthest = 2;  // as settle_changes looks
+  constexpr std::ptrdiff_t kFarthest = 2;  // the reach of settle_changes
   const bool near = std::all_of(items_.begin(), items_.end(), [&](const Item& item) {
     return depth_below(common, fs::canonical(item.place.folder())) <= kFarthest;
   });
   if (near && ::access(common.c_str(), W_OK | X_OK) == 0) {
     put_with_journal(items_, common);
   } else {
-    // Places so far apart have no folder in common that a reader would look into: one after the other.
+    // Places so far apart have no common folder that readers search: they change one after the other.
     for (Item& item : items_) {
       std::vector<Item> one{item};
       put_with_journal(one, fs::canonical(item.place.folder()));

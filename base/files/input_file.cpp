@@ -47,14 +47,14 @@ namespace fs = std::filesystem;
   }
 }
 
-/// An open plain file and its size. `is_input`: it is read for its content, and so no output may replace it.
+/// An open plain file and its size. `is_input`: it is read for its content, so no output may replace it.
 std::pair<Descriptor, std::uintmax_t> open_plain(const fs::path& file, bool is_input = true) {
   const std::string name = file.string();
   if (name.empty()) fail("the name of a file", "is empty", "name a file");
   if (name.find('\0') != std::string::npos)
     fail(name.substr(0, name.find('\0')), "has a zero byte in its name, which no file has", "correct the name");
-  settle_changes(file);  // a change that was cut off is none that may be read
-  // O_NONBLOCK: a FIFO that nobody writes to would wait forever.
+  settle_changes(file);  // readers must not see an interrupted change
+  // O_NONBLOCK: a FIFO without a writer would block forever.
   Descriptor open(::open(name.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC | O_NOCTTY));
   if (!open) fail_to_open(file, errno);
   struct stat status {};

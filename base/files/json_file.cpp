@@ -22,7 +22,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// "is 3", "is "abc"", "is an object": what a person finds at that place in the file.
+/// Description of a value for people: "is 3", "is "abc"", "is an object".
 std::string described(const Json& value) {
   if (value.is_object()) return "is an object";
   if (value.is_array()) return "is an array of " + std::to_string(value.size());
@@ -37,7 +37,7 @@ std::string joined(const std::vector<std::string>& words) {
   return text;
 }
 
-/// Number of letters to add, drop or change to get from one word to the other (Levenshtein).
+/// Edit distance of two words: added, dropped or changed letters (Levenshtein).
 std::size_t edit_distance(const std::string& a, const std::string& b) {
   std::vector<std::size_t> row(b.size() + 1);
   for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
@@ -67,20 +67,20 @@ std::string near_match(const std::string& key, const std::vector<std::string>& k
   return best;
 }
 
-/// Turns "[json.exception.parse_error.101] parse error at line 3, column 7: syntax error ..." into its useful end.
+/// Shortens "[json.exception.parse_error.101] parse error at line 3, column 7: syntax error ..." to its useful end.
 std::string without_prefix(const std::string& message) {
   const std::size_t end = message.find("] ");
   return end == std::string::npos ? message : message.substr(end + 2);
 }
 
-/// Line breaks and tabs are left to those who know what a text is for (JsonObject::text takes none).
+/// Callers that know a text's purpose check line breaks and tabs (JsonObject::text rejects them).
 std::string without_breaks(std::string text) {
   std::erase_if(text, [](char c) { return c == '\n' || c == '\r' || c == '\t'; });
   return text;
 }
 
-/// What the grammar allows and we do not. A key that appears twice: parsers silently keep one of them, and a person
-/// would not know which. Text that a terminal obeys (printable.h). Brackets without end.
+/// Checks beyond the grammar. Duplicate keys are errors, because parsers silently keep one of them. Control characters
+/// that terminals execute are errors (printable.h). So is nesting beyond the limit.
 struct ContentCheck {
   std::vector<std::set<std::string>> open_objects;
   std::string duplicate, unprintable;
@@ -88,7 +88,7 @@ struct ContentCheck {
 
   bool operator()(int depth, Json::parse_event_t event, Json& parsed) {
     deepest = std::max(deepest, depth);
-    if (depth > limit::kNesting) return false;  // dropped: nothing that is read from it would be seen
+    if (depth > limit::kNesting) return false;  // dropped: no code would see its content
     if (event == Json::parse_event_t::object_start) open_objects.emplace_back();
     if (event == Json::parse_event_t::object_end && !open_objects.empty()) open_objects.pop_back();
     if ((event == Json::parse_event_t::key || event == Json::parse_event_t::value) && parsed.is_string() &&
@@ -121,7 +121,7 @@ bool JsonObject::has(const std::string& key) const {
 
 const Json& JsonObject::raw(const std::string& key) {
   if (!has(key)) {
-    // A misspelt key is missed under its right name: name what stands there instead.
+    // A misspelt key appears as a missing one: the message names the unknown keys.
     std::vector<std::string> strangers;
     for (const std::string& stranger : keys())
       if (!asked_.contains(stranger)) strangers.push_back(stranger);
@@ -136,7 +136,7 @@ double JsonObject::number(const std::string& key) { return number_in(raw(key), k
 
 double JsonObject::number_in(const Json& value, const std::string& key) const {
   if (!value.is_number()) fail_field(key, described(value), "write a number");
-  // No length, time or brightness of a bench comes near it, and its square is still a number of single precision.
+  // Lengths, times and brightnesses of a setup are far smaller, and its square is still a single-precision number.
   constexpr double kLargest = 1e18;
   const double v = value.get<double>();
   if (!std::isfinite(v)) fail_field(key, "is not finite", "write a number");
@@ -301,7 +301,7 @@ Json read_json(const std::filesystem::path& file, const std::string& format, int
 }
 
 std::string json_text(const Json& json, const std::filesystem::path& file) {
-  // One number a line would make matrices unreadable: short arrays without objects go on one line.
+  // One number per line would make matrices unreadable: short arrays without objects go on one line.
   const std::function<std::string(const Json&, int)> pretty = [&](const Json& value, int indent) -> std::string {
     const auto has_object = [](const Json& v) {
       return std::any_of(v.begin(), v.end(), [](const Json& e) {
@@ -354,7 +354,7 @@ void make_output_folder(const std::filesystem::path& folder) {
 }
 
 std::filesystem::path resolve_path(const std::filesystem::path& file, const std::string& named) {
-  return (file.parent_path() / named).lexically_normal();  // `/` keeps an absolute path as it is
+  return (file.parent_path() / named).lexically_normal();  // `/` keeps an absolute path unchanged
 }
 
 std::string path_beside(const std::filesystem::path& file, const std::filesystem::path& path) {

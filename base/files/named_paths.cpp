@@ -18,21 +18,21 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// What was named, whole and without "..", and the folder that is current; empty while nobody has named anything. Set
-// before there are threads.
+// The current folder, then the named paths, absolute and without ".."; empty if nobody has named anything. Set before
+// there are threads.
 std::vector<fs::path>& named_now() {
   static std::vector<fs::path> paths;
   return paths;
 }
 
-// Of those, what an option names to be written.
+// The named paths that are values of output options.
 std::vector<fs::path>& outputs_now() {
   static std::vector<fs::path> paths;
   return paths;
 }
 
-// What this command has read, by device and number, and what it has written or may change, by name. Photos are read by
-// several threads.
+// Files that this command has read, by device and inode number, and files that it has written or may change, by name.
+// Several threads read photos.
 struct Traffic {
   std::mutex mutex;
   std::set<std::pair<std::uintmax_t, std::uintmax_t>> read;
@@ -50,7 +50,7 @@ void forget_traffic() {
   traffic().written.clear();
 }
 
-// The same for every name of one file in one folder.
+// One path for all names of a file in one folder.
 fs::path real_name(const fs::path& file) {
   std::error_code error;
   const fs::path folder = fs::canonical(file.has_parent_path() ? file.parent_path() : fs::path("."), error);
@@ -74,7 +74,7 @@ bool begins_with(const fs::path& path, const fs::path& folder) {
 
 std::ptrdiff_t steps_of(const fs::path& path) { return std::distance(path.begin(), path.end()); }
 
-// The first link on the way from `folder` to `file`.
+// The first symbolic link between `folder` and `file`.
 fs::path first_link(const fs::path& file, const fs::path& folder) {
   fs::path at = folder;
   std::error_code error;
@@ -83,8 +83,8 @@ fs::path first_link(const fs::path& file, const fs::path& folder) {
   return file;
 }
 
-// The innermost project that a folder belongs to: it itself, or one of the three above it (round-01/session/photos).
-// Empty: none.
+// The innermost project of a folder: the folder itself, or one of the three above it (round-01/session/photos). Empty:
+// none.
 fs::path project_of(fs::path folder) {
   constexpr int kLevels = 4;
   for (int i = 0; i < kLevels && !folder.empty(); ++i, folder = folder.parent_path()) {
@@ -100,7 +100,6 @@ NamedPaths::NamedPaths(const std::vector<std::string>& words)
     : before_(std::move(named_now())), outputs_before_(std::move(outputs_now())) {
   std::vector<fs::path> now{whole_name(".")}, outputs;
   for (std::size_t i = 0; i < words.size(); ++i) {
-    // --out=FILE
     const std::string& word = words[i];
     const std::size_t from = word.starts_with('-') ? std::min(word.find('='), word.size() - 1) + 1 : 0;
     if (from >= word.size()) continue;
@@ -182,10 +181,11 @@ void fail_if_input(const fs::path& named, const fs::path& file) {
 void fail_if_led_outside(const fs::path& named, const fs::path& real) {
   if (named_now().empty()) return;
   const fs::path whole = whole_name(named);
-  // Beside a file that was named, too; where nothing was, what lies in its folder stays there.
+  // Files next to a named file may be written, too. If nobody named a folder above it, the file stays in its own
+  // folder.
   fs::path within;
   for (const fs::path& path : named_now()) {
-    if (begins_with(path, whole)) return;  // or is on the way to what was named
+    if (begins_with(path, whole)) return;  // or `named` is above a named path
     for (const fs::path& folder : {path, path.parent_path()})
       if (folder != whole && begins_with(whole, folder) && steps_of(folder) > steps_of(within)) within = folder;
   }
@@ -214,7 +214,7 @@ bool may_change_in(const fs::path& folder, const fs::path& file) {
   };
   if (named_now().empty()) return in == whole.parent_path() || is_within_project_of(whole.parent_path());
   std::error_code error;
-  // The first is the folder that is current, which nobody has named.
+  // The first entry is the current folder, which nobody has named.
   return std::any_of(std::next(named_now().begin()), named_now().end(), [&](const fs::path& named) {
     if (named == whole && in == whole.parent_path()) return true;
     if (!fs::exists(named, error)) return false;  // an option's value, a command's name

@@ -26,10 +26,10 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::string_view kMark = ".part-";
-constexpr std::size_t kLongestName = 255;  // bytes, of every file system that Linux writes to
+constexpr std::size_t kLongestName = 255;  // bytes, on every file system that Linux writes to
 
-// Part files that this process is writing. Process numbers come again (in a container, nearly always the same one): a
-// part file of our own number that is not among these is a dead process'.
+// Part files that this process is writing. Process numbers repeat (in a container, nearly always the same one): a part
+// file with this process's number that is not listed here belongs to a dead process.
 struct Ours {
   std::mutex mutex;
   std::set<std::string> parts, cleared_folders;
@@ -40,21 +40,21 @@ Ours& ours() {
   return all;
 }
 
-// The first bytes of a text, never half a character.
+// The first bytes of a text, cut between characters.
 std::string_view cut(std::string_view text, std::size_t most) {
   if (text.size() <= most) return text;
   while (most > 0 && (static_cast<unsigned char>(text[most]) & 0xC0) == 0x80) --most;
   return text.substr(0, most);
 }
 
-// A part file while it is being written: closed and removed unless it was ended.
+// A part file during writing: the destructor closes and removes it, unless it was ended.
 class Writing {
  public:
   explicit Writing(const FilePlace& place, mode_t mode_if_new = 0666) : place_(place) {
     const mode_t mode = place.there ? place.mode : mode_if_new;
     const auto named_and_opened = making();
     do {
-      if (!part_.empty()) forget_part(part_);  // a dead process' of our number has that name
+      if (!part_.empty()) forget_part(part_);  // a dead process with this number left that name
       part_ = new_part_name(place);
       file_ = Descriptor(::open(part_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode));
     } while (!file_ && errno == EEXIST);
@@ -77,7 +77,8 @@ class Writing {
 
   fs::path end(bool durable) {
     if (place_.there) {
-      // Who edits another one's file gives it back. Where the system does not let them, it becomes theirs.
+      // The new file keeps its owner if another user edits it. If the system forbids that, the editor becomes the
+      // owner.
       struct stat now {};
       if (::fstat(file_.number(), &now) == 0 && (now.st_uid != place_.user || now.st_gid != place_.group) &&
           ::fchown(file_.number(), place_.user, place_.group) != 0 &&
@@ -86,7 +87,7 @@ class Writing {
       if (::fchmod(file_.number(), place_.mode) != 0 && errno != EPERM && errno != ENOTSUP)
         fail_with(place_.named, "cannot keep its permissions", errno);
     }
-    // EINVAL: a file system that knows no fsync.
+    // EINVAL: a file system without fsync.
     if (durable && ::fsync(file_.number()) != 0 && errno != EINVAL)
       fail_with(place_.named, "could not be written whole", errno);
     if (const int error = file_.close()) fail_with(place_.named, "could not be written whole", error);
@@ -101,7 +102,7 @@ class Writing {
   bool ended_ = false;
 };
 
-// The process of ".bench.part-4711-0.json"; 0 of any other name.
+// The process number in ".bench.part-4711-0.json"; 0 for any other name.
 int process_of(std::string_view name) {
   const std::size_t at = name.rfind(kMark);
   if (name.empty() || name.front() != '.' || at == std::string_view::npos) return 0;
@@ -128,11 +129,11 @@ bool is_left_over(const fs::path& file) {
   return ::kill(process, 0) != 0 && errno == ESRCH;
 }
 
-// Where links lead from that name.
+// The target of a name after its symbolic links.
 FilePlace place_behind_links(const fs::path& named) {
   FilePlace place;
   place.named = place.file = named;
-  constexpr int kMostLinks = 40;  // as the system itself
+  constexpr int kMostLinks = 40;  // the system's own limit
   struct stat found {};
   for (int links = 0;; ++links) {
     if (::lstat(place.file.c_str(), &found) != 0) {
@@ -148,7 +149,7 @@ FilePlace place_behind_links(const fs::path& named) {
     std::error_code error;
     const fs::path to = fs::read_symlink(place.file, error);
     if (error) fail_with(named, "cannot be written", error.value());
-    place.file = place.file.parent_path() / to;  // `/` keeps an absolute path as it is
+    place.file = place.file.parent_path() / to;  // `/` keeps an absolute path unchanged
   }
   if (S_ISDIR(found.st_mode)) fail(named.string(), "is a folder", "name a file");
   if (!S_ISREG(found.st_mode))
@@ -214,7 +215,7 @@ fs::path copy_part(const fs::path& from, const FilePlace& place) {
   struct stat found {};
   if (!in || ::fstat(in.number(), &found) != 0) fail_with(from, "cannot be read", errno);
   if (!S_ISREG(found.st_mode)) fail(from.string(), "is no plain file", "name one");
-  // As private as it was, and the owner's to edit.
+  // Permissions of the source, plus write permission for the owner.
   Writing part(place, (found.st_mode & 0777) | S_IWUSR);
   std::vector<char> block(std::size_t{1} << 20);
   for (;;) {
@@ -241,7 +242,7 @@ bool is_part_name_of(std::string_view name, const fs::path& file) {
   const std::string_view stem = name.substr(1, mark - 1), extension = name.substr(dot);
   const std::string whole_stem = file.stem().native(), whole_extension = file.extension().native();
   if (stem == whole_stem && extension == whole_extension) return true;
-  constexpr std::size_t kCutFrom = kLongestName - 3;  // no more than a part of a character less
+  constexpr std::size_t kCutFrom = kLongestName - 3;  // shorter by at most a part of a character
   return name.size() >= kCutFrom && whole_stem.starts_with(stem) && whole_extension.starts_with(extension);
 }
 

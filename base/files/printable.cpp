@@ -5,7 +5,7 @@
 namespace burin {
 namespace {
 
-/// How many bytes the character at the front of `text` has, and which it is; 0 bytes where it is no UTF-8 (RFC 3629).
+/// Length in bytes and code point of the first character of `text`; 0 bytes for invalid UTF-8 (RFC 3629).
 struct Character {
   std::size_t bytes = 0;
   std::uint32_t code = 0;

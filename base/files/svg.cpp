@@ -9,7 +9,7 @@ std::string attribute(std::string_view name, std::string_view value) {
   return " " + std::string(name) + "=\"" + std::string(value) + "\"";
 }
 
-// Attributes after others: a space before them, if there are any.
+// Attributes after others: with a leading space, if there are any.
 std::string after_space(std::string_view attributes) { return attributes.empty() ? "" : " " + std::string(attributes); }
 
 std::string poly(const std::string& element, std::span<const Eigen::Vector2d> points, std::string_view attributes) {

@@ -20,7 +20,7 @@ std::string_view trimmed(std::string_view text, std::string_view blanks = " \t\r
   return text.substr(first, text.find_last_not_of(blanks) - first + 1);
 }
 
-// What spreadsheets put between values, by the line that names the columns: none of these stands in a name.
+// A spreadsheet's separator, from the line that names the columns: names never contain one.
 char separator_of(std::string_view header) {
   for (const char c : {';', '\t'})
     if (header.find(c) != std::string_view::npos) return c;
@@ -30,7 +30,7 @@ char separator_of(std::string_view header) {
 }  // namespace
 
 std::optional<double> number_in(std::string_view text) {
-  if (text.starts_with('+')) text.remove_prefix(1);  // from_chars knows no plus sign
+  if (text.starts_with('+')) text.remove_prefix(1);  // from_chars rejects a plus sign
   double value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (end != text.data() + text.size()) return std::nullopt;
@@ -48,11 +48,11 @@ TableReader::TableReader(std::filesystem::path file, TableStyle style, std::vect
       content_(read_bytes(file_, limit::kTableBytes, "a table")),
       rest_(content_) {
   fail_unless_text();
-  if (rest_.starts_with("\xEF\xBB\xBF")) rest_.remove_prefix(3);  // the mark that some spreadsheets put first
+  if (rest_.starts_with("\xEF\xBB\xBF")) rest_.remove_prefix(3);  // the byte order mark of some spreadsheets
   if (style_ == TableStyle::csv) read_csv_header();
 }
 
-// A spreadsheet itself, or its "Unicode text", under a table's name.
+// A spreadsheet file itself, or its "Unicode text", with a table's name.
 void TableReader::fail_unless_text() const {
   const auto begins = [&](std::string_view bytes) { return rest_.starts_with(bytes); };
   if (begins("\xFF\xFE") || begins("\xFE\xFF")) fail(file_.string(), "is text in UTF-16", "save it as \"CSV UTF-8\"");
@@ -73,7 +73,7 @@ void TableReader::read_csv_header() {
   std::string_view header;
   while (!rest_.empty() && header.empty()) header = next_line();
   if (header.empty()) return;
-  bool told = false;  // by Excel's first line, sep=;
+  bool told = false;  // set by Excel's first line, sep=;
   if (const std::string_view bare = trimmed(header, "\""); bare.starts_with("sep=") && bare.size() == 5) {
     separator_ = bare.back();
     if (separator_ != ',' && separator_ != ';' && separator_ != '\t')
@@ -106,7 +106,7 @@ std::optional<std::size_t> TableReader::find(std::string_view column) const {
   return static_cast<std::size_t>(at - columns_.begin());
 }
 
-// The value in quotes that a line begins with; takes it away.
+// Removes and returns the quoted value at the front of a line.
 std::string_view TableReader::quoted(std::string_view& line) {
   const std::size_t end = line.find('"', 1);
   if (end == std::string_view::npos)
@@ -203,7 +203,7 @@ std::string_view TableReader::text(std::size_t column) const {
   return values_[column];
 }
 
-// The number of a value, whose comma may be a decimal one.
+// The number of a value, whose comma may be a decimal mark.
 std::optional<double> TableReader::number_or_none(std::size_t column) const {
   if (style_ != TableStyle::csv || (separator_ == ',' && !in_quotes_[column])) return number_in(text(column));
   std::string value(text(column));
@@ -216,7 +216,7 @@ std::optional<double> TableReader::number_or_none(std::size_t column) const {
     fail_at(column, as_text + ", and above it decimals stand behind a " + (decimal_mark_ == ',' ? "comma" : "point"),
             "write decimal points in the whole file, and no marks between thousands");
   if (comma == std::string::npos) return number_in(value);
-  // Between commas, a program that writes decimal points may have put it between thousands.
+  // In a comma-separated file, a program with decimal points may have used the comma as a thousands separator.
   if (separator_ == ',' && value.size() - comma == 4)
     fail_at(column, as_text + ", which may be a decimal comma or one between thousands", "write decimal points");
   value[comma] = '.';

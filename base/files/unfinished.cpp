@@ -17,7 +17,7 @@ struct Names {
 };
 
 Names& names() {
-  // Never destroyed: a process may be told to stop while it ends.
+  // Never destroyed: a signal may stop a process that is already exiting.
   static Names& all = *new Names;
   return all;
 }
@@ -25,7 +25,7 @@ Names& names() {
 }  // namespace
 
 void begin_unfinished(const fs::path& path) {
-  // The folder that is current may be another one by then.
+  // The current folder may have changed by then.
   std::error_code error;
   const fs::path whole = fs::absolute(path, error);
   const std::lock_guard lock(names().mutex);
@@ -52,7 +52,7 @@ void abandon_unfinished() {
     paths = names().paths;
   }
   std::error_code error;
-  // Another thread may be making folders within one while it is removed: once more finds what came meanwhile.
+  // Another thread may create folders within one during its removal: a second pass finds them.
   for (int i = 0; i < 2; ++i)
     for (const fs::path& path : paths) fs::remove_all(path, error);
 }

@@ -22,9 +22,9 @@ int result_output = -1;
 
 FilePlace place_to_write(const fs::path& file) {
   FilePlace place = find_place(file);
-  // Part files of a change that is still to be completed are no leftovers.
+  // Part files of an unsettled change are no leftovers.
   if (settle_changes(place.file)) clear_leftovers_once(place.folder());
-  // A change that was cut off may just have put it there.
+  // An interrupted change may just have put it there.
   return find_place(file);
 }
 
@@ -88,7 +88,7 @@ void remove_file(const fs::path& file) {
   std::error_code error;
   if (!fs::exists(fs::symlink_status(file, error))) return;
   FilePlace place;
-  place.named = place.file = file;  // a link goes, not what it leads to
+  place.named = place.file = file;  // the link is removed, not its target
   const fs::path folder = fs::canonical(place.folder(), error);
   if (!error) fail_if_led_outside(file, folder / file.filename());
   place.there = true;
