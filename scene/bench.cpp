@@ -112,7 +112,8 @@ Light read_light(JsonObject& json, const fs::path& file) {
   light.axis = json.vec3("axis", light.axis);
   const double length = light.axis.norm();
   if (!(length > 1e-9)) json.fail_field("axis", "has no direction", "write the direction the lamp points in");
-  // A person's three digits are no unit vector; what Burin wrote is one already and stays as it is, to the last bit.
+  // A person's three digits give no exact unit vector. A vector that Burin wrote is a unit vector and stays unchanged,
+  // to the last bit.
   if (std::abs(length - 1) > 1e-12) light.axis /= length;
   light.falloff_exponent = json.number("falloff_exponent", light.falloff_exponent);
   if (light.falloff_exponent < 0)
@@ -217,7 +218,7 @@ Json light_json(const Light& light, const fs::path& file) {
   return json;
 }
 
-// {"linear": [gx, gy], "quadratic": [qxx, qxy, qyy], "wear": w}, each with its sigma; what is left out is 0.
+// {"linear": [gx, gy], "quadratic": [qxx, qxy, qyy], "wear": w}, each with its sigma; missing keys mean 0.
 struct FieldPart {
   const char* name;
   int first, count;
@@ -270,7 +271,7 @@ Scatter read_scatter(JsonObject& json, const std::string& key) {
   return scatter;
 }
 
-// What stands beside the numbers of `brushed` and `profile`; read_material() takes these themselves.
+// Reads the sigmas of `brushed` and `profile`; read_material() reads their numbers.
 void read_profile_sigmas(JsonObject& material, MaterialSigma& sigma) {
   if (material.has("brushed")) {
     JsonObject json = material.object("brushed");
@@ -408,7 +409,7 @@ Bench read_bench(const std::filesystem::path& file) {
     bench.crossings = read_crossings(material);
     bench.alpha_scatter = read_scatter(material, "alpha_scatter");
     bench.depth_scatter = read_scatter(material, "depth_scatter");
-    material.positive("half_width_um", 1);  // derived from depth_um and the tool's width: for people, not for us
+    material.positive("half_width_um", 1);  // derived from depth_um and the tool's width: for people; readers ignore it
     material.finish();
   }
   if (json.has("sensor")) bench.sensor = read_sensor(json.object("sensor"));
@@ -452,7 +453,7 @@ Bench read_bench(const std::filesystem::path& file) {
   }
   json.finish();
   if (!in_words) bench.lens = read_cameramodel(bench.camera);
-  // A nominal bench lacks nothing: only what was measured can have been lost.
+  // A nominal setup is complete: only measurements can have been lost.
   if (version == 1 && bench.material_sigma.alpha)
     bench.findings.push_back({Finding::Severity::note, file,
                               "is of version 1, which does not say what is seen where grooves cross, nor how much they "

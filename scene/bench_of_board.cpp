@@ -14,7 +14,7 @@
 namespace burin {
 namespace {
 
-// Digits of a person, or of another program: the same number all the same.
+// Tolerance for the digits of a person or of another program: the number is still the same.
 constexpr double kSame = 1e-9;
 bool same(double a, double b) { return std::abs(a - b) <= kSame * std::max(std::abs(a), std::abs(b)); }
 
@@ -23,7 +23,7 @@ struct Settling {
   const Board& board;
   std::string bench_file, board_file;
 
-  // Nobody photographed anything: every number is a person's.
+  // True without photos: every number is a person's.
   bool nominal() const { return bench.verdict.empty(); }
 
   bool measured(const char* parameter, const std::optional<double>& sigma) const {
@@ -32,7 +32,7 @@ struct Settling {
     return sigma.has_value();
   }
 
-  // Photos refute the depth that the board was believed to have; not what is believed since, which is followed.
+  // True if photos refute the depth prior of that time. A later prior is not refuted; the setup follows it.
   bool depth_is_refuted() const {
     const Verdict* verdict = find_verdict(bench, parameter::kDepth);
     return verdict != nullptr && rests_on(*verdict, Cause::Kind::believed_refuted) && bench.told.depth_um &&
@@ -94,7 +94,7 @@ void settle_material(Bench& bench, const std::filesystem::path& bench_file, cons
   if (!s.depth_is_refuted())
     s.number(parameter::kDepth, "depth_um", bench.said.depth_um, board.said.depth_um, sigma.depth_um,
              board.material.depth_um, m.depth_um);
-  // Paper and plain face tell this one as soon as there is a lamp.
+  // Paper and plain face determine this number if any lamp is known.
   if (s.nominal() || !bench.said.base_alpha)
     s.number(parameter::kBaseAlpha, "base_alpha", bench.said.base_alpha, board.said.base_alpha, sigma.base_alpha,
              board.material.base_alpha, m.base_alpha);
@@ -137,7 +137,7 @@ bool is_flat(const Board& board) { return board.mesh.empty() && !board.bend; }
 
 // Places all over the board, in camera coordinates.
 std::vector<Eigen::Vector3d> places_seen_from(const View& view, const Board& board) {
-  constexpr int kPlaces = 9;  // a side
+  constexpr int kPlaces = 9;  // per side
   std::vector<Eigen::Vector3d> places;
   for (int j = 0; j < kPlaces; ++j)
     for (int i = 0; i < kPlaces; ++i)

@@ -14,27 +14,27 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-// Of a full tube: edges that all but meet leave no one a way to look in, and the frame 1.1 of the face is singular
-// where its normal has turned round.
+// Fraction of a full tube. A nearly closed tube has no opening for a view, and the frame of the face (1.1) is singular
+// if its normal has turned by 180 degrees.
 constexpr double kMostOfTube = 0.95;
 
 Vector3d in_space(const Vector2d& v) { return {v.x(), v.y(), 0}; }
 
-// sin(a) / a and (1 - cos(a)) / a^2, which are smooth where a sheet is flat.
+// sin(a) / a and (1 - cos(a)) / a^2, with series near a = 0 for a flat sheet.
 double sine_over(double a) { return std::abs(a) < 1e-4 ? 1 - a * a / 6 : std::sin(a) / a; }
 double versine_over(double a) {
   const double half = sine_over(a / 2);
   return half * half / 2;
 }
 
-// Half a diagonal: where a rim is that moves by a millimeter.
+// Half a diagonal: distance of the rim that moves by a millimeter.
 double rim_mm(const Vector2d& size_mm) { return size_mm.norm() / 2; }
 
 bool on_sheet(const Cylinder& c, const Vector2d& p) {
   return p.x() >= 0 && p.y() >= 0 && p.x() <= c.size_mm.x() && p.y() <= c.size_mm.y();
 }
 
-// A point or direction by its parts across the axis, along it, and out of the middle.
+// Components of a point or direction: across the axis, along it, and out of the middle.
 struct Parts {
   double across, along, out;
 };
@@ -85,7 +85,7 @@ BentMotion bent_motion(const Cylinder& c, const Vector2d& flat_mm) {
   const double s = c.across.dot(from_middle), t = c.along.dot(from_middle), turn = c.curvature * s;
   const BentPlace place = bent_place(c, flat_mm);
   const Vector3d across = in_space(c.across), along = in_space(c.along), out = Vector3d::UnitZ();
-  // d/dcurvature of s sin(turn)/turn and -s (1 - cos(turn))/turn: s^2 times these functions' slopes.
+  // d/dcurvature of s sin(turn)/turn and -s (1 - cos(turn))/turn: s^2 times the derivatives of these functions.
   const bool small = std::abs(turn) < 1e-2;
   const double sine_slope =
       small ? -turn / 3 * (1 - turn * turn / 10) : (turn * std::cos(turn) - std::sin(turn)) / (turn * turn);
@@ -93,7 +93,7 @@ BentMotion bent_motion(const Cylinder& c, const Vector2d& flat_mm) {
                                      : (turn * std::sin(turn) - 1 + std::cos(turn)) / (turn * turn);
   const Vector3d position_by_curvature = s * s * (sine_slope * across - versine_slope * out);
   const Vector3d normal_by_curvature = s * place.across;
-  // As the axis turns, along turns to across, across to -along; s falls by t, t grows by s.
+  // As the axis rotates, along turns to across and across to -along; s falls by t and t grows by s.
   const Vector3d position_by_axis = s * along + t * across - s * sine_over(turn) * along - t * place.across;
   const Vector3d normal_by_axis = -std::sin(turn) * along - t * c.curvature * place.across;
   const double rim = rim_mm(c.size_mm), by_rise = -2 / (rim * rim), by_turn = 1 / rim;
@@ -102,8 +102,8 @@ BentMotion bent_motion(const Cylinder& c, const Vector2d& flat_mm) {
 }
 
 std::optional<Vector2d> flat_place(const Cylinder& c, const Vector3d& origin_mm, const Vector3d& direction) {
-  // On the cylinder k (across^2 + out^2) + 2 out = 0, with k the curvature; along the ray that is a quadratic
-  // A l^2 + 2 B l + C = 0, and A l + B is how the ray runs against the normal there: below 0 where it meets the front.
+  // On the cylinder k (across^2 + out^2) + 2 out = 0, with k the curvature. Along the ray this is a quadratic A l^2 + 2
+  // B l + C = 0. A l + B is the ray's component along the normal there: negative if it meets the front.
   const Parts o = parts_of(c, origin_mm - in_space(0.5 * c.size_mm)), d = parts_of(c, direction);
   const double k = c.curvature;
   const double A = k * (d.across * d.across + d.out * d.out);
@@ -124,10 +124,10 @@ bool hidden_from(const Cylinder& c, const BentPlace& place, const Vector3d& from
   const Vector3d way = from_mm - place.position_mm;
   const double rise = way.dot(place.normal);
   if (!(rise > 0)) return true;
-  if (c.curvature >= 0) return false;  // a convex sheet lies behind every place's tangent plane
+  if (c.curvature >= 0) return false;  // a convex sheet is behind the tangent plane of every place
   const Parts d = parts_of(c, way);
   const double A = c.curvature * (d.across * d.across + d.out * d.out);
-  const double again = -2 * rise / A;  // where the way meets the cylinder once more
+  const double again = -2 * rise / A;  // second intersection of the segment with the cylinder
   if (!(again < 1)) return false;
   return on_sheet(c, flat_of(c, along_ray(parts_of(c, place.position_mm - in_space(0.5 * c.size_mm)), d, again)));
 }

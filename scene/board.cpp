@@ -24,12 +24,12 @@ double fraction(JsonObject& json, const std::string& key, double fallback) {
   return v;
 }
 
-// Modules across the square whose corners AprilTag reports, and across all of the tag with its border, and how many
-// tags there are: width_at_border, total_width and ncodes of AprilTag's families.
+// Modules across the square of AprilTag's reported corners, modules across the whole tag with its border, and the
+// number of tags: width_at_border, total_width and ncodes of AprilTag's families.
 struct FamilyLayout {
   const char* name;
   int border_modules, total_modules, tags;
-  /// Data reaches out to the edge of the paper; the others have a white border there, which neighbors may share.
+  /// Data reaches the edge of the paper; other families have a white border there, which neighbors may share.
   bool printed_to_edge() const { return total_modules > border_modules + 2; }
 };
 constexpr std::array<FamilyLayout, 9> kFamilies{{{"tag16h5", 6, 8, 30},
@@ -158,7 +158,7 @@ std::array<Eigen::Vector2d, 4> corners_at(const Tag& tag, double times) {
   return tag_corners_mm(larger);
 }
 
-// Whether a line along a side of either square has them on its two sides.
+// True if a line along a side of either square separates the two.
 bool apart(const std::array<Eigen::Vector2d, 4>& a, const std::array<Eigen::Vector2d, 4>& b) {
   constexpr double kTouch_mm = 1e-6;
   for (const auto* square : {&a, &b})
@@ -178,7 +178,7 @@ bool apart(const std::array<Eigen::Vector2d, 4>& a, const std::array<Eigen::Vect
   return false;
 }
 
-// A tag whose print or border lies under another's print is not found, or found elsewhere.
+// Throws Error if a tag's print or border overlaps another tag's print: the detector would miss or misplace it.
 void fail_if_tags_overlap(const TagSet& tags, const std::string& where) {
   if (tags.list.size() < 2) return;
   const FamilyLayout family = layout_of(tags.family, where);

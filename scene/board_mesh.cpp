@@ -20,12 +20,12 @@ namespace {
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-/// How far from the face a ray towards a lamp starts, over the mesh's extent: above float's rounding (6e-8 of the
-/// extent and of the lamp's distance) and the facets' departure from the smooth face, below anything that casts a
-/// shadow.
+/// Start of a ray towards a lamp above the face, relative to the mesh's extent. It exceeds float's rounding (6e-8 of
+/// the extent and of the lamp's distance) and the deviation of facets from the smooth face. It is smaller than any
+/// object that casts a shadow.
 constexpr double kLiftOverExtent = 1e-4;
 
-/// uv this far outside of 0 .. 1 still count as the board's rim: files carry six digits.
+/// uv this far outside of 0 .. 1 still count as the board's rim: files have six digits.
 constexpr double kRimTolerance = 1e-6;
 
 // ---- OBJ ----
@@ -77,7 +77,7 @@ struct ObjReader {
     return v;
   }
 
-  /// OBJ indices count from 1, or from the last one backwards. -1 for an empty one ("3//2").
+  /// OBJ indices count from 1, or backwards from the last one. -1 for an empty index ("3//2").
   std::int64_t index(std::string_view text, std::size_t count, const char* what) const {
     if (text.empty()) return -1;
     std::int64_t i = 0;
@@ -187,7 +187,7 @@ void attach(RTCDevice device, RTCScene scene, std::size_t vertices, const Positi
 
 Scene new_scene(RTCDevice device) {
   Scene scene(rtcNewScene(device));
-  rtcSetSceneFlags(scene.get(), RTC_SCENE_FLAG_ROBUST);  // no ray slips between two triangles
+  rtcSetSceneFlags(scene.get(), RTC_SCENE_FLAG_ROBUST);  // watertight: no ray passes between two triangles
   return scene;
 }
 
@@ -219,7 +219,7 @@ Hit intersect(RTCScene scene, const Eigen::Vector3d& origin, const Eigen::Vector
   return {query.hit.geomID, query.hit.primID};
 }
 
-/// Each triangle's corners' normals: the mean of the normals of the faces at that vertex, weighted by area.
+/// Normals of each triangle's corners: the area-weighted mean of the face normals at that vertex.
 std::vector<std::array<Eigen::Vector3d, 3>> smooth_normals(const TriangleMesh& mesh) {
   std::vector<Eigen::Vector3d> at_vertex(mesh.position_mm.size(), Eigen::Vector3d::Zero());
   for (const auto& t : mesh.triangle) {
@@ -236,7 +236,7 @@ std::vector<std::array<Eigen::Vector3d, 3>> smooth_normals(const TriangleMesh& m
   return normals;
 }
 
-// Whether the middle of triangle i lies within triangle k on the flat board, and not at its rim merely by rounding.
+// True if the middle of triangle i is within triangle k on the flat board, beyond rounding at its rim.
 bool overlap(const TriangleMesh& face, const Eigen::Vector2d& size_mm, std::size_t i, std::size_t k) {
   const auto& uv = face.uv[k];
   const Eigen::Vector2d p = ((face.uv[i][0] + face.uv[i][1] + face.uv[i][2]) / 3).cwiseProduct(size_mm);
@@ -276,8 +276,8 @@ struct BoardMesh::State {
       place.normal += barycentric[k] * face.normal[triangle][k];
     }
     place.normal.normalize();
-    // The triangle's edges are what uv makes of its flat ones: the flat x direction is solved for, and laid at right
-    // angles to the interpolated normal.
+    // uv map the triangle's flat edges to its edges in space. The flat x direction follows from this map, projected to
+    // be orthogonal to the interpolated normal.
     const Eigen::Vector2d u = (face.uv[triangle][1] - face.uv[triangle][0]).cwiseProduct(size_mm),
                           v = (face.uv[triangle][2] - face.uv[triangle][0]).cwiseProduct(size_mm);
     const auto& t = face.triangle[triangle];
@@ -359,7 +359,7 @@ BoardMesh::BoardMesh(const TriangleMesh& face, const Eigen::Vector2d& size_mm, c
   if (rtcGetDeviceError(s.device.get()) != RTC_ERROR_NONE) {
     fail(name, "Embree could not build its tree over the mesh", "use a coarser mesh");
   }
-  // Each triangle must be what is found at its own middle.
+  // Each triangle must be the hit at its own middle.
   for (std::size_t i = 0; i < face.triangle.size(); ++i) {
     const Eigen::Vector2d middle = ((face.uv[i][0] + face.uv[i][1] + face.uv[i][2]) / 3).cwiseProduct(size_mm);
     const Hit hit = intersect(s.flat_scene.get(), {middle.x(), middle.y(), 1}, {0, 0, -1});
@@ -447,7 +447,8 @@ bool BoardMesh::hidden_from(const Eigen::Vector3d& from_mm, const Eigen::Vector3
 
 namespace {
 
-/// Centers and normals from corners; pixels whose center is nowhere, or hidden by `hidden`, lose their corners.
+/// Sets centers and normals from corners. Pixels with an undefined center, or one that `hidden` rejects, lose their
+/// corners.
 template <class Hidden>
 void fill_centers(const BoardMesh& mesh, FootprintGrid& grid, const Hidden& hidden) {
   const int width = grid.width(), height = grid.height();

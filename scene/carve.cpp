@@ -23,8 +23,8 @@ Vector2d last_end(const Scratches& s, std::size_t i) { return {s.x1_mm[i], s.y1_
 
 double or_shared(const std::vector<double>& own, std::size_t i, double shared) { return own.empty() ? shared : own[i]; }
 
-// What the machine makes of told ends, and the ends to tell for wanted ones; the way is told - wanted lines hardly
-// turn.
+// Carved end of a commanded one, and commanded end for a desired one. The direction is that of the commanded or desired
+// line, because lines hardly rotate.
 Vector2d carved_end(const Bench& bench, const Vector2d& told, const Vector2d& way) {
   const Vector2d p = bench.machine_errors.none() ? told : displaced(bench.machine_errors, told, way);
   return bench.machine_affine * p.homogeneous();
@@ -40,7 +40,7 @@ void move_new_rows(Scratches& s, const Move& move) {
   }
 }
 
-// Of each row when it is carved: from 0, the first, to 1, the last of those that are still to be carved.
+// Normalized carving order of each row: from 0, the first, to 1, the last of the rows still to be carved.
 std::vector<double> ages_of(const Scratches& s) {
   std::vector<double> age(s.size(), 0.5);
   std::size_t to_carve = 0;
@@ -52,7 +52,7 @@ std::vector<double> ages_of(const Scratches& s) {
   return age;
 }
 
-// Where the field stands for a row, u and v of the middle of its groove.
+// Coordinates of a row in the field: u and v of the middle of its groove.
 Vector2d uv_of(const Scratches& placed, std::size_t i, const Vector2d& board_size_mm) {
   return (0.5 * (first_end(placed, i) + last_end(placed, i))).cwiseQuotient(board_size_mm);
 }
@@ -69,7 +69,7 @@ void apply_field(const GrooveField& field, double shared, double most, const Vec
   }
 }
 
-// Straight pieces of grooves in carving order: piece k is a part of row `source[k]`, from begin[k] to end[k] of it.
+// Straight pieces of grooves in carving order: piece k is the part of row `source[k]` from begin[k] to end[k].
 struct GrooveParts {
   Scratches pieces;
   std::vector<std::uint32_t> source;
@@ -84,7 +84,7 @@ struct GrooveParts {
     pieces.x1_mm.push_back(p1.x());
     pieces.y1_mm.push_back(p1.y());
   }
-  // What rows have of their own, all along them.
+  // Copies each row's own parameters to its pieces.
   void follow(const Scratches& rows) {
     for (const auto column : {&Scratches::width_um, &Scratches::depth_um, &Scratches::alpha, &Scratches::carved})
       if (!(rows.*column).empty())
@@ -92,7 +92,7 @@ struct GrooveParts {
   }
 };
 
-// Grooves that uneven screws bend.
+// Splits grooves that uneven screws bend.
 GrooveParts bent_grooves(const Scratches& placed, const Scratches& told, const Bench& bench) {
   GrooveParts out;
   for (std::size_t i = 0; i < placed.size(); ++i) {
@@ -110,7 +110,7 @@ GrooveParts bent_grooves(const Scratches& placed, const Scratches& told, const B
   return out;
 }
 
-// What of each row lies in any of the boxes, in the order along it.
+// Parts of each row in any of the boxes, in the order along it.
 GrooveParts parts_within(const Scratches& rows, std::span<const Eigen::AlignedBox2d> boxes) {
   struct Stretch {
     double from, to;
@@ -144,11 +144,11 @@ GrooveParts parts_within(const Scratches& rows, std::span<const Eigen::AlignedBo
   return out;
 }
 
-// The rows that parts are of, instead of the parts that were carved. Of parts of parts: the last made first.
+// Replaces the carved parts as sources by their rows. For parts of parts, the last split comes first.
 void name_sources(const GrooveParts& parts, Carved& carved) {
   if (carved.source.empty()) {
     carved.source = parts.source;
-    if (carved.lanes != nullptr) return;  // nothing asks a lane's grooves where on their row they begin
+    if (carved.lanes != nullptr) return;  // no code needs the start of a lane's groove on its row
     for (std::size_t k = 0; k < parts.source.size(); ++k) {
       carved.begin.push_back({parts.begin[k], Boundary::own_end, 0});
       carved.end.push_back({parts.end[k], Boundary::own_end, 0});
@@ -173,8 +173,8 @@ Carved crossed(Scratches placed, const Bench& bench, const Board& board, const C
 
 constexpr double kMostDepth_um = 1e9, kMostAlpha = 1;
 
-// Depths, roughnesses and crossings of scratches that have come to their places in the metal.
-// `told`: what the machine was told, where its screws bend the grooves.
+// Applies depths, roughnesses and crossings to scratches at their places in the metal. `told` is the commanded
+// trajectory, if uneven screws bend the grooves.
 Carved grooves_at(Scratches placed, const Bench& bench, const Board& board, const Scratches* told = nullptr,
                   std::span<const Eigen::AlignedBox2d> looked_at = {}, const CutInto& cut = {}) {
   if (!bench.depth_field.is_constant() || !bench.alpha_field.is_constant()) {
@@ -204,7 +204,7 @@ Carved crossed(Scratches placed, const Bench& bench, const Board& board, const C
     out.scratches.carved.clear();
     return out;
   }
-  // What is in the metal already was carved before all else.
+  // Grooves in the metal precede all others.
   std::vector<std::size_t> order(placed.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_partition(order.begin(), order.end(), [&](std::size_t i) { return placed.is_carved(i); });
@@ -243,8 +243,8 @@ class EndGradients {
   ScratchGradients& g_;
 };
 
-// dE/d(q) for one end q of a piece of row i, back to the ends of row i and of the row j that cuts it there. With
-// q = p0 + t (p1 - p0) on the line n . (q - a0) = c, n and c belonging to j, the implicit function theorem gives
+// dE/d(q) for one end q of a piece of row i, back to the ends of row i and of the row j that cuts it there. With q = p0
+// + t (p1 - p0) on the line n . (q - a0) = c, where n and c belong to j, the implicit function theorem gives
 //   dt = - [ n . ((1 - t) dp0 + t dp1) + dn . (q - a0) - n . da0 - dc ] / (n . (p1 - p0)).
 void pull_back_end(const PieceEnd& end, std::size_t i, const Vector2d& by_q, const Scratches& placed,
                    const Bench& bench, const Board& board, EndGradients& out) {
@@ -269,8 +269,8 @@ void pull_back_end(const PieceEnd& end, std::size_t i, const Vector2d& by_q, con
     const double share = u.dot(q - a0) / length;
     out.add_first(j, -lambda * (1 - share) * across);
     out.add_last(j, -lambda * share * across);
-    // The line stands off to the left or right, and follows both grooves' depths; with their widths and depths
-    // together it only grows.
+    // The line has an offset to the left or right, which depends on both grooves' depths. The offset scales with both
+    // widths and depths together.
     const double sign = 1e-3 * (end.boundary == Boundary::side_plus ? -lambda : lambda);
     const auto depth = [&](std::size_t row) { return or_shared(placed.depth_um, row, bench.material.depth_um); };
     out.add_depth(i, sign * end.reach_by_depth);
@@ -284,8 +284,8 @@ void pull_back_end(const PieceEnd& end, std::size_t i, const Vector2d& by_q, con
   }
 }
 
-// dd'/dd of a groove of which a share of the half-width is left, its depth then being d': of pieces there are many, of
-// such grooves few, and those of one cut groove follow each other.
+// dd'/dd of a groove with depth d' whose half-width is reduced to a fraction. Pieces are many and such grooves few, and
+// the pieces of one groove are consecutive, so the last result is kept.
 class NarrowedSlope {
  public:
   double operator()(const GrooveProfile& profile, double width_um, double depth_um, double share, double piece_um) {
@@ -307,8 +307,8 @@ class NarrowedSlope {
   std::size_t next_ = 0;
 };
 
-// Depth and width of piece k back to its row. Of the half-width w(d) a share s is left: the piece has the depth d' with
-// w(d') = s w(d), and by lengths alone d' = wt dd'/dwt + d dd'/dd.
+// Depth and width of piece k back to its row. A fraction s of the half-width w(d) remains: the piece has the depth d'
+// with w(d') = s w(d), and dimensional scaling gives d' = wt dd'/dwt + d dd'/dd.
 void pull_back_depth(const Carved& carved, std::size_t k, const Scratches& placed, const Bench& bench,
                      const Board& board, const ScratchGradients& by, NarrowedSlope& slope, EndGradients& out) {
   const std::size_t i = carved.source[k];
@@ -325,7 +325,7 @@ void pull_back_depth(const Carved& carved, std::size_t k, const Scratches& place
   out.add_width(i, by.width_um[k] + by.depth_um[k] * (piece_um - d * by_depth) / wt);
 }
 
-// Depth, alpha and ends of some of the pieces back to their rows.
+// Backward pass of depth, alpha and ends of some pieces to their rows.
 void pull_back_some(const Carved& carved, std::size_t from, std::size_t to, const Scratches& placed, const Bench& bench,
                     const Board& board, const ScratchGradients& by, ScratchGradients& out) {
   EndGradients ends(out);
@@ -339,8 +339,8 @@ void pull_back_some(const Carved& carved, std::size_t from, std::size_t to, cons
   }
 }
 
-// Of all pieces, in as many parts as there are pieces to a row, not as there are threads: the same bits for any number
-// of these.
+// Backward pass of all pieces. The number of parts depends on the pieces per row, not on the threads, so the result has
+// the same bits for any number of threads.
 void pull_back_pieces(const Carved& carved, const Scratches& placed, const Bench& bench, const Board& board,
                       const ScratchGradients& by, ScratchGradients& out) {
   constexpr std::size_t kMostParts = 16;
@@ -358,7 +358,7 @@ void pull_back_pieces(const Carved& carved, const Scratches& placed, const Bench
       for (std::size_t i = 0; i < rows; ++i) (out.*column)[i] += (part.*column)[i];
 }
 
-// dE/d(value of each row after its field) becomes dE/d(value before), and moves the row's ends.
+// Turns dE/d(value of each row after its field) into dE/d(value before), and adds the effect on the row's ends.
 void pull_back_field(const GrooveField& field, double shared, double most, const Vector2d& board_size_mm,
                      const std::vector<double>& age, const Scratches& placed, const std::vector<double>& own,
                      std::vector<double>& by_value, EndGradients& out) {

@@ -21,7 +21,7 @@
 namespace burin {
 namespace {
 
-// Grooves as strips: where they begin, which way they go, how long they are, and to where they reach on either side.
+// Grooves as strips: start, direction, length, and extent to either side.
 struct Strips {
   std::vector<double> x_mm, y_mm, ux, uy, length_mm, half_width_mm;
 
@@ -37,14 +37,14 @@ struct Strips {
   std::size_t size() const { return x_mm.size(); }
   Eigen::Vector2d first_mm(std::size_t i) const { return {x_mm[i], y_mm[i]}; }
   Eigen::Vector2d along(std::size_t i) const { return {ux[i], uy[i]}; }
-  // Scratch j as the middle line of scratch i sees it.
+  // Scratch j in the coordinates of the middle line of scratch i.
   GrooveMet met(std::size_t i, std::size_t j) const {
     return groove_met(first_mm(i), along(i), first_mm(j), along(j), length_mm[j]);
   }
 };
 
-// A grid of square cells over the board, each listing the scratches whose strip touches it: finds those that a center
-// line may meet.
+// A grid of square cells over the board. Each cell lists the scratches whose strip touches it, to find candidates for
+// intersections with a center line.
 class CellIndex {
  public:
   explicit CellIndex(const Strips& strips) {
@@ -57,7 +57,7 @@ class CellIndex {
       low = low.cwiseMin(first).cwiseMin(last);
       high = high.cwiseMax(first).cwiseMax(last);
     }
-    // About a cell a scratch, but none smaller than what a strip is wide, and no more than a few for each strip.
+    // About one cell per scratch, but no cell narrower than a strip, and only a few cells per strip.
     constexpr double kMostCells = 16e6, kLargestMm = 2, kCellsAStrip = 16;
     const double mean_mm =
         std::accumulate(strips.length_mm.begin(), strips.length_mm.end(), 0.0) / static_cast<double>(strips.size());
@@ -77,10 +77,10 @@ class CellIndex {
                 [&](std::size_t cell) { listed_[next[cell]++] = static_cast<std::uint32_t>(i); });
   }
 
-  /// Whether so many lie near one another that they are too many to look at; then there is nothing to find.
+  /// True if too many scratches are near each other for a search; the index is then empty.
   bool is_crowded() const { return near_ > static_cast<double>(limit::kNear); }
 
-  /// Those that may be met within a margin of scratch i's center line, from `least` on, in order.
+  /// Finds scratches within a margin of scratch i's center line, with index `least` or higher, in order.
   void find_near(const Strips& strips, std::size_t i, double margin_mm, std::size_t least,
                  std::vector<std::uint32_t>& near) const {
     near.clear();
@@ -94,7 +94,7 @@ class CellIndex {
   }
 
  private:
-  // Those within the margin of scratch i's center line.
+  // Visits the cells within the margin of scratch i's center line.
   template <typename F>
   void for_cells(const Strips& s, std::size_t i, double margin_mm, const F& f) const {
     cells_.each(s.first_mm(i), s.length_mm[i] * s.along(i), margin_mm, f);
@@ -108,8 +108,8 @@ class CellIndex {
 
 using Boundary = PieceEnd::Boundary;
 
-// How much of a groove is left where others cut it is a level: 0 nothing, `steps` its whole width without burrs,
-// `steps` + 1 all of it.
+// Levels of the remaining part of a cut groove. 0: nothing. `steps`: its whole width without burrs. `steps` + 1: all of
+// it.
 constexpr int kMostLevels = kMostCrossingSteps + 1;
 
 // A groove's cross-section.
@@ -119,16 +119,16 @@ struct Section {
   bool operator==(const Section&) const = default;
 };
 
-// How far from the middle of one groove, um, another is hidden by it; and what that moves as the hidden one, or the
-// one that hides it, becomes a um deeper.
+// Distance from the middle of one groove, um, within which it hides another; and its change per um of additional depth
+// of the hidden groove, and of the hiding one.
 struct Reach {
   double um = 0, by_depth = 0, by_cutter_depth = 0;
 };
 
-// The nodes at which groove i is asked how low it is: in each step of its half-width, Gauss and Legendre's two points.
+// Sample points of groove i's wall depth: two Gauss-Legendre points in each step of its half-width.
 struct Walls {
   struct Node {
-    double inner_um, by_depth;  // how deep it is there; what that moves as the groove becomes a um deeper
+    double inner_um, by_depth;  // depth there, and its change per um of additional depth of the groove
   };
   std::array<std::array<Node, 2>, kMostCrossingSteps> nodes;  // of each step
 };
@@ -145,8 +145,8 @@ Walls walls_of(const GrooveProfile& profile, const Section& i, int steps) {
   return out;
 }
 
-// Groove i is left to `level` steps, no more, as far from the middle of j as the mean over the step beyond: up to where
-// the walls of both are equally low (docs/model.md 7.10).
+// At most `level` steps of groove i remain within this distance of the middle of j. It is the mean over the next step
+// of the distance at which the walls of both are equally low (docs/model.md 7.10).
 Reach reach_of_step(const GrooveProfile& profile, const Section& i, const Walls& walls, const Section& j, int level) {
   Reach out;
   for (const Walls::Node& node : walls.nodes[level]) {
@@ -162,22 +162,22 @@ Reach reach_of_step(const GrooveProfile& profile, const Section& i, const Walls&
 
 using Reaches = std::array<Reach, kMostCrossingSteps>;  // by level
 
-// Where along a groove less of it begins or ends to be left.
+// A position along a groove at which a reduction begins or ends.
 struct Change {
   double at_mm;
   bool ends;
-  int level;  // steps that are left between the two
+  int level;  // steps that remain between the two
   PieceEnd::Boundary boundary;
   std::uint32_t cutter;
   Reach reach;
 };
 
-// What is known of one cross-section beside another: many grooves in a row have the same.
+// Cached results for one cross-section next to another: many consecutive grooves share one.
 struct SectionsMet {
   int steps = kCrossingSteps;
   const Section* section = nullptr;
   Walls walls;
-  const Section* reached = nullptr;  // whose reaches these are
+  const Section* reached = nullptr;  // the section of `reaches`
   Reaches reaches;
 
   void meet(const GrooveProfile& profile, const Section& i) {
@@ -193,7 +193,7 @@ struct SectionsMet {
   }
 };
 
-// Cuts grooves one by one; those of a part of the board by one thread.
+// Cuts grooves one by one; one thread cuts one part of the list.
 struct Cutting {
   const Scratches& carved;
   const GrooveProfile& profile;
@@ -203,7 +203,7 @@ struct Cutting {
   Strips strips;
   CellIndex index{strips};
 
-  // Where other grooves cover groove i, in order along it.
+  // Intervals of groove i that other grooves cover, in order along it.
   void find_changes(std::size_t i, SectionsMet& met, std::vector<std::uint32_t>& near,
                     std::vector<Change>& changes) const {
     index.find_near(strips, i, 0, deepest || burrs ? 0 : i + 1, near);
@@ -223,20 +223,20 @@ struct Cutting {
         cover(j, j > i ? 0 : steps, rims());
         continue;
       }
-      // Most that are near do not meet: their walls are not looked at.
+      // Most candidates do not meet the groove, and need no wall computation.
       if (covered_stretch(strips.met(i, j), strips.length_mm[i], strips.half_width_mm[j]).is_empty()) continue;
       met.reach(profile, sections[j]);
       if (burrs) cover(j, steps, rims());
       for (int level = steps - 1; level >= 0; --level)
         if (!cover(j, level, met.reaches[level])) break;
     }
-    // What begins comes before what ends there, so that nothing is left between the two.
+    // Beginnings precede ends at the same position, so that nothing remains between the two.
     std::sort(changes.begin(), changes.end(), [](const Change& a, const Change& b) {
       return std::tuple(a.at_mm, a.ends, a.level, a.cutter) < std::tuple(b.at_mm, b.ends, b.level, b.cutter);
     });
   }
 
-  // A piece of groove i of which `level` steps are left; nothing where it is too short to be seen.
+  // Adds a piece of groove i with `level` remaining steps; skips a piece too short to be visible.
   void add_piece(std::size_t i, int level, double from_mm, double to_mm, const PieceEnd& begin, const PieceEnd& end,
                  VisiblePieces& out) const {
     constexpr double kShortestMm = 1e-4;
@@ -267,7 +267,7 @@ struct Cutting {
     double from = 0;
     PieceEnd begin;
     const int whole = steps + 1;
-    std::array<int, kMostLevels> covers{};  // how many stretches leave so many steps
+    std::array<int, kMostLevels> covers{};  // number of active intervals per level
     const auto left = [&] {
       int level = 0;
       while (level < whole && covers[level] == 0) ++level;
@@ -289,7 +289,7 @@ struct Cutting {
   }
 };
 
-// A column of all parts, one after the other; empty where theirs are.
+// Concatenates a column of all parts; empty if all are empty.
 template <typename ColumnOf>
 void join_column(std::vector<VisiblePieces>& parts, const std::vector<std::size_t>& first, VisiblePieces& out,
                  const ColumnOf& column_of) {
@@ -299,7 +299,7 @@ void join_column(std::vector<VisiblePieces>& parts, const std::vector<std::size_
   auto& to = *column_of(out);
   to.resize(first.back());
   tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t k) {
-    const auto from = std::exchange(*column_of(parts[k]), {});  // its memory goes at once
+    const auto from = std::exchange(*column_of(parts[k]), {});  // frees its memory at once
     std::copy(from.begin(), from.end(), to.begin() + static_cast<std::ptrdiff_t>(first[k]));
   });
 }
@@ -336,7 +336,7 @@ namespace {
 struct Pieces {
   std::vector<VisiblePieces> parts;  // of all scratches, in carving order
   bool too_many = false;             // then there are no parts
-  bool too_near = false;             // so many scratches lie near one another that they were not looked at
+  bool too_near = false;             // too many scratches are near each other; nothing was computed
 };
 
 std::vector<Section> sections_of(const Scratches& carved, double tool_width_um, double depth_um,
@@ -368,7 +368,7 @@ Pieces pieces_in_parts(const Scratches& carved, double tool_width_um, double dep
                         std::move(sections),
                         Strips(carved, std::move(half_width_mm))};
   if (cutting.index.is_crowded()) return {{}, true, true};
-  constexpr std::size_t kAtOnce = 512;  // pieces come in carving order, whoever cuts them
+  constexpr std::size_t kAtOnce = 512;  // pieces come in carving order, independent of threads
   std::vector<VisiblePieces> parts((carved.size() + kAtOnce - 1) / kAtOnce);
   std::atomic<std::size_t> made{0};
   tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t part) {
@@ -431,18 +431,18 @@ double expected_pieces(const Scratches& scratches, double area_mm2) {
 
 namespace {
 
-// What each lane of a groove shows is deeper than another groove within this distance of that one's middle, mm: the
-// mean over the lane of where the walls of both are equally low (docs/model.md 7.10).
+// Each lane of a groove is visible outside this distance from another groove's middle, mm. It is the mean over the lane
+// of the distance at which the walls of both are equally low (docs/model.md 7.10).
 struct LaneReaches {
   std::vector<double> middle_um;                // of each lane
-  std::vector<std::array<double, 2>> inner_um;  // how deep a groove that is as wide as each of its two nodes is
-  std::vector<double> reach_mm;                 // beside the section that was asked last
+  std::vector<std::array<double, 2>> inner_um;  // depths of grooves as wide as each of the lane's two nodes
+  std::vector<double> reach_mm;                 // relative to the section of the last call
   const Section* section = nullptr;
   const Section* other = nullptr;
 
   void meet(const GrooveProfile& profile, std::span<const Lane> lanes, const Section& of) {
     if (section != nullptr && *section == of) return;
-    constexpr double kNode = 0.21132486540518708;  // Gauss and Legendre's two points
+    constexpr double kNode = 0.21132486540518708;  // two Gauss-Legendre points
     section = &of;
     other = nullptr;
     middle_um.resize(lanes.size());
@@ -471,13 +471,13 @@ struct LaneReaches {
   }
 };
 
-// Another groove as the middle line of one sees it.
+// Another groove in the coordinates of one groove's middle line.
 struct OtherGroove {
   GrooveMet met;
-  std::size_t reaches;  // where its reaches begin: one a lane
+  std::size_t reaches;  // index of its first reach: one per lane
   std::uint32_t row;
 
-  // As a line sees it that lies so far to the right.
+  // In the coordinates of a parallel line this far to the right.
   GrooveMet beside(double aside_mm) const {
     GrooveMet out = met;
     out.across += aside_mm * met.along_slope;
@@ -488,7 +488,7 @@ struct OtherGroove {
 
 struct CoveredSpan {
   double from, to;
-  double from_moves = 0, to_moves = 0;  // outwards, as the cutter's rims do, mm by the depth's logarithm
+  double from_moves = 0, to_moves = 0;  // outwards, with the cutter's rims, mm per unit of the depth's logarithm
 };
 
 struct LaneLayer {
@@ -509,10 +509,10 @@ struct LaneLayer {
     std::vector<CoveredSpan> covered;
   };
 
-  // Whether others' rims bound what is seen of a lane, not walls that are equally low.
+  // True if the rims of other grooves bound the visible part of a lane, and not equally low walls.
   bool rims_cut_lane(std::size_t lane) const { return !deepest || lanes[lane].part != Lane::Part::groove; }
 
-  // Which other grooves may take something of groove i, and how far each reaches.
+  // Finds the other grooves that may remove parts of groove i, and the reach of each.
   void find_met(std::size_t i, Work& w) const {
     index.find_near(strips, i, margin_mm[i], 0, w.near);
     w.others.clear();
@@ -522,7 +522,7 @@ struct LaneLayer {
     for (const std::uint32_t j : w.near) {
       if (j == i || (!deepest && !burrs && order[j] < order[i])) continue;
       const GrooveMet met = strips.met(i, j);
-      // Both ends on one side of it, further than both are wide, or all before or behind it: they do not meet.
+      // Both ends are on one side of it, beyond both widths, or all before or behind it: they do not meet.
       const double wide = strips.half_width_mm[j] + margin_mm[i], across_end = met.across + length * met.across_slope,
                    along_end = met.along + length * met.along_slope;
       if (std::min(met.across, across_end) > wide || std::max(met.across, across_end) < -wide ||
@@ -539,7 +539,7 @@ struct LaneLayer {
     }
   }
 
-  // Where they cover a lane whose middle lies x to the right, in order along it.
+  // Intervals of a lane that other grooves cover, in order along it. The lane's middle is at x, to the right.
   void find_covered(std::size_t i, std::size_t lane, Work& w) const {
     const double aside_mm = 1e-3 * w.reaches.middle_um[lane];
     w.covered.clear();
@@ -560,7 +560,7 @@ struct LaneLayer {
     });
   }
 
-  // Into the groove's cells, which hold nothing yet.
+  // Adds the visible fractions to the groove's empty cells.
   void lay(std::size_t i, std::size_t cells, Work& w, float* share, float* by_depth) const {
     find_met(i, w);
     const double cell_mm = strips.length_mm[i] / static_cast<double>(cells);

@@ -3,13 +3,13 @@
 namespace burin {
 namespace {
 
-// exp(2 sign E) by c and s: with even = cosh(2g), odd = sign sinh(2g)/g, even' = 4 odd/2 ... along g.
+// Derivatives of exp(2 sign E) by c and s.
 struct GrainSlopes {
   GrainMatrix<double> by_c, by_s;
 };
 GrainSlopes grain_slopes(const FaceGrain& grain, int sign) {
   const double g2 = grain.c * grain.c + grain.s * grain.s, g = std::sqrt(g2);
-  // even = cosh(2g), odd = sinh(2g) / g; over g: even'/g = 2 odd, odd'/g = (2 even - odd) / g^2.
+  // even = cosh(2g), odd = sinh(2g) / g. Their derivatives by g: even'/g = 2 odd, odd'/g = (2 even - odd) / g^2.
   const double even = std::cosh(2 * g), odd = g2 > 1e-12 ? std::sinh(2 * g) / g : 2 + 4. / 3 * g2;
   const double odd_slope = g2 > 1e-6 ? (2 * even - odd) / g2 : 8. / 3 + 16. / 15 * g2;
   const auto by = [&](double component, double dc, double ds) {

@@ -10,8 +10,8 @@
 namespace burin {
 namespace {
 
-// Rows of the rotation are the picture's axes in board coordinates: z up, x where the middle column (of a picture that
-// turns right) or the first column's left edge (of one by azimuth) looks.
+// Rows of the rotation are the picture's axes in board coordinates. z is up. x is the direction of the middle column if
+// the picture turns right, and of the first column's left edge if columns run by azimuth.
 Eigen::Matrix3d axes_of(const PanoramaFrame& frame, const std::string& where) {
   if (frame.kind == PanoramaFrame::Kind::board) return Eigen::Matrix3d::Identity();
   const Eigen::Vector3d z = frame.up.normalized();
@@ -45,7 +45,7 @@ void check_values(const Image& picture, const std::string& where) {
   }
 }
 
-// A light that far away: its middle lies where most of it comes from.
+// A distant light, with its position in the direction of most of its light.
 Light far_away(const char* id, FarLight far, const Eigen::Vector3d& intensity) {
   Light light;
   light.id = id;
@@ -110,7 +110,7 @@ Light sun_light(const Eigen::Vector3d& direction, const Eigen::Vector3d& irradia
 }
 
 Light surroundings_light(std::shared_ptr<const Panorama> panorama, const Eigen::Vector3d& factor) {
-  // Where most of the light comes from: the mean direction of the tenth of the irradiance that is brightest.
+  // Direction of most of the light: the mean over the brightest tenth of the irradiance.
   const Image& picture = panorama->radiance;
   struct Spot {
     double radiance, power;

@@ -14,11 +14,11 @@ namespace {
 
 constexpr double kMissed = std::numeric_limits<double>::quiet_NaN();
 
-/// Inverting a lens by its own solver costs microseconds a pixel. On this lattice it is done that way; between its
-/// nodes the slopes are interpolated to about 0.01 px and two Newton steps on the projection finish them.
+/// Inverting a lens by its own solver costs microseconds per pixel. The solver runs only at the nodes of this lattice.
+/// Between them, interpolation gives the slopes to about 0.01 px, and two Newton steps on the projection finish them.
 constexpr int kLatticeStep = 32;
 
-/// After the first Newton step the rest must be below this, or the pixel goes to the lens's own solver.
+/// Largest residual after the first Newton step; pixels above it use the lens's own solver.
 constexpr double kNewtonRest_px = 1e-3;
 
 void check_window(const PixelWindow& window, const char* where) {
@@ -40,7 +40,7 @@ Eigen::Vector2d slope_of(const Eigen::Vector3d& v) {
   return v.z() > 0 ? Eigen::Vector2d(v.x() / v.z(), v.y() / v.z()) : Eigen::Vector2d(kMissed, kMissed);
 }
 
-/// A pinhole, or an OpenCV model with all of its distortion zero.
+/// A pinhole, or an OpenCV model with zero distortion.
 bool is_undistorted(const Lens& lens) {
   if (lens.intrinsics.size() < 4) return false;
   if (lens.model == "LENSMODEL_PINHOLE") return true;
@@ -88,15 +88,14 @@ std::vector<int> lattice(int count) {
   return nodes;
 }
 
-/// Where the ray from `origin` along `direction` meets the face from its front; NaN if it does not.
+/// Intersection of the ray from `origin` along `direction` with the front of the face; NaN without one.
 Eigen::Vector2d meet_face(const Surface& surface, const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) {
   Eigen::Vector2d missed(kMissed, kMissed);
   if (!(direction.z() < 0)) return missed;
-  double lambda = -origin.z() / direction.z();  // of the plane z = 0
+  double lambda = -origin.z() / direction.z();  // at the plane z = 0
   if (surface.bow_mm != Eigen::Vector3d::Zero()) {
-    // On the ray, the face's height over the ray's own is a quadratic c + b s + a s^2 of the way s from there on. The
-    // root that is 0 where the face is flat is where the ray comes from the front (the slope is the discriminant's
-    // root).
+    // Along the ray, the face's height minus the ray's is a quadratic c + b s + a s^2 of the distance s from there. The
+    // root that is 0 for a flat face is the hit from the front (the slope is the discriminant's root).
     const double X = 2 * (origin.x() + lambda * direction.x()) / surface.size_mm.x() - 1,
                  dX = 2 * direction.x() / surface.size_mm.x();
     const double Y = 2 * (origin.y() + lambda * direction.y()) / surface.size_mm.y() - 1,
@@ -246,8 +245,8 @@ FootprintGrid board_grid(const Eigen::Vector2d& min_mm, const Eigen::Vector2d& m
 
 PixelWindow window_of(const Lens& lens, const Eigen::Isometry3d& T_camera_board, const Surface& surface,
                       const Eigen::Vector2d& min_mm, const Eigen::Vector2d& max_mm, int margin_px) {
-  // The outline of what is seen of a face that is nearly flat is the image of the rectangle's own outline. A bent one
-  // reaches further where it is seen edge on: lines from side to side are looked at as well.
+  // The visible outline of a nearly flat face is the image of the rectangle's outline. A bent face extends further if
+  // it is seen edge on, so lines from side to side are projected as well.
   constexpr int kPerSide = 256, kLines = 15;
   std::vector<Eigen::Vector3d> p;
   p.reserve(4 * kPerSide);

@@ -16,8 +16,8 @@ double tip_radius_um(const GrooveProfile& profile, double width_um) {
   return profile.tip_radius_um > 0 ? profile.tip_radius_um : width_um / 4;
 }
 
-// The right half of the groove: the arc's end (its lean, its x), and where the wall meets the face; each with its
-// derivative by depth. The arc ends at the rim where the groove is too shallow for flanks.
+// The right half of the groove: the arc's end (its lean, its x), and the point at which the wall meets the face, each
+// with its derivative by depth. In a groove too shallow for flanks, the arc ends at the rim.
 struct HalfSection {
   double arc_lean, arc_lean_by_depth = 0, arc_um, arc_by_depth = 0, rim_um, rim_by_depth;
   bool flank = false;
@@ -50,7 +50,7 @@ double x_at(const GrooveProfile& profile, double width_um, double lean) {
 // A parabola of height h over x from `from` to `from + width`: it rises from the left and falls to the right.
 void add_burr(double h, double width, double from, double moves, double widest_um, std::vector<ProfileBand>& out) {
   if (!(h > 0)) return;
-  // Two halves at least: what is near the groove shades into its wall.
+  // Two halves at least: the part near the groove blends into its wall.
   const int bands = std::max(2, static_cast<int>(std::ceil(width / widest_um)));
   for (int k = 0; k < bands; ++k) {
     ProfileBand band;
@@ -147,7 +147,7 @@ std::vector<ProfileBand> profile_bands(const GrooveProfile& profile, double widt
   }
   flank(1);
   add_burr(profile.burr_right_um, profile.burr_width_um, half.rim_um, half.rim_by_depth, widest_um, out);
-  // A section without a radius of its own grows as a whole with width and depth; burrs go with its rims.
+  // A section without its own radius scales as a whole with width and depth; burrs move with its rims.
   const bool grows = profile.tip_radius_um == 0;
   for (ProfileBand& band : out) {
     if (grows) {

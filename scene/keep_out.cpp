@@ -61,7 +61,7 @@ void block_strip(std::vector<LinePart>& blocked, const Eigen::Vector2d& a, const
   add(blocked, from, to);
 }
 
-// Where the line lies inside of a polygon: between its crossings with the edges, as the middle of each part tells.
+// Parts of the line inside a polygon, between its crossings with the edges. A test of each part's middle decides.
 void block_inside(std::vector<LinePart>& blocked, const Eigen::Vector2d& a, const Eigen::Vector2d& along,
                   const std::vector<Eigen::Vector2d>& polygon) {
   std::vector<double> cuts{0, 1};

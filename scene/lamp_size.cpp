@@ -23,8 +23,8 @@ struct Node {
   double at, share;
 };
 
-// Gauss and Legendre's nodes on -1 to 1, their shares adding up to 1: as many as half a side of that share of the
-// distance needs.
+// Gauss-Legendre nodes on -1 to 1, with weights that add up to 1. `half` is half a side relative to the distance; it
+// determines the number of nodes.
 std::vector<Node> nodes_of_side(double half, bool few) {
   if (half < 0.04) return {{-std::sqrt(1. / 3), 0.5}, {std::sqrt(1. / 3), 0.5}};
   if (half < 0.075) return {{-std::sqrt(0.6), 5. / 18}, {0, 8. / 18}, {std::sqrt(0.6), 5. / 18}};
@@ -45,7 +45,7 @@ std::vector<Node> nodes_of_side(double half, bool few) {
                    {0.9324695142031521, 0.0856622461895851}});
 }
 
-// Points about the middle of a disk of radius 1.
+// Adds points around the middle of a disk of radius 1.
 void add_ring(int count, double radius, double share, double first_deg,
               std::vector<std::pair<Eigen::Vector2d, double>>& out) {
   for (int i = 0; i < count; ++i) {
@@ -65,7 +65,7 @@ std::vector<LampPoint> lamp_points(const Light& light, bool few) {
   if (light.size.disk_mm > 0) {
     std::vector<std::pair<Eigen::Vector2d, double>> points;
     if (light.size.disk_mm > kVeryLarge * distance_mm) {
-      // Gauss and Legendre's nodes over the radius' square, rings turned against each other.
+      // Gauss-Legendre nodes over the square of the radius, with rings rotated relative to each other.
       const double outer = std::sqrt(0.5 * (1 + std::sqrt(0.6))), inner = std::sqrt(0.5 * (1 - std::sqrt(0.6)));
       add_ring(8, inner, 5. / 144, 0, points);
       add_ring(8, std::sqrt(0.5), 8. / 144, 22.5, points);

@@ -17,7 +17,7 @@
 namespace burin {
 namespace {
 
-/// Number of distortions of a model that is written out here; -1 of one that is mrcal's.
+/// Number of distortion parameters of a model that this file implements; -1 for a model of mrcal.
 int written_out(const std::string& model) {
   if (model == "LENSMODEL_PINHOLE") return 0;
   for (const int distortions : {4, 5, 8, 12})
@@ -30,7 +30,7 @@ int parameter_count(const std::string& model, const std::string& where) {
   return distortions >= 0 ? 4 + distortions : mrcal_parameter_count(model, where);
 }
 
-/// Throws Error unless the lens has its model's number of parameters and they are numbers. `where` is the file or part
+/// Throws Error unless the lens has its model's number of parameters and they are finite. `where` is the file or part
 /// of the program that names the lens.
 void check_lens(const Lens& lens, const std::string& where) {
   const int expected = parameter_count(lens.model, where);
@@ -130,7 +130,7 @@ void project(const Lens& lens, std::span<const Eigen::Vector3d> p_camera, std::s
 
 namespace {
 
-/// Newton's iteration from the undistorted point. Away from a solution it ends anywhere.
+/// Newton's iteration from the undistorted point. Far from a solution its result is arbitrary.
 Eigen::Vector3d inverse(const std::array<double, 12>& k, const Eigen::Vector2d& at) {
   Eigen::Vector2d p = at;
   for (int i = 0; i < 50; ++i) {
@@ -159,7 +159,7 @@ void unproject(const Lens& lens, std::span<const Eigen::Vector2d> q_px, std::spa
     for (std::size_t i = 0; i < count; ++i) v_camera[i] = inverse(k, (q_px[i] - c).cwiseQuotient(f));
   }
 
-  // Both inverses are iterative. NaN marks a pixel outside of the model's range, where they end elsewhere.
+  // Both inverses are iterative. NaN marks a pixel outside the model's range, with a result that does not project back.
   constexpr double kTolerance_px = 1e-4;
   std::vector<Eigen::Vector2d> back(count);
   project(lens, v_camera, back);

@@ -46,7 +46,7 @@ Eigen::Vector2d displaced(const MachineErrors& errors, const Eigen::Vector2d& to
 Eigen::Vector2d told_for(const MachineErrors& errors, const Eigen::Vector2d& wanted_mm, const Eigen::Vector2d& way) {
   const Eigen::Vector2d even = wanted_mm + lag(errors, way);
   Eigen::Vector2d told = even;
-  // Contracts by the screw's slope, some hundredths: a dozen steps reach the last bit.
+  // The iteration contracts by the screw's slope, some hundredths: a dozen steps reach the last bit.
   constexpr int kSteps = 12;
   for (int i = 0; i < kSteps && errors.uneven(); ++i) told = even - uneven_part(errors, told);
   return told;

@@ -10,7 +10,7 @@ struct Words {
   std::string_view test, quantity, remedy;
 };
 
-// What each quantity sets apart, and what usually stands behind it.
+// Quantity of each test, and the usual causes of a misfit.
 constexpr std::array<Words, 8> kWords{{
     {"along", "how far half vectors lean along the grooves",
      "the lamp has a size (measure it and write \"disk_mm\" or \"panel_mm\" of the light into bench.json), or the "
@@ -48,7 +48,7 @@ bool is_of_photo(const Misfit& misfit) { return misfit.test.starts_with(kWords.b
 
 std::string quantity_in_words(const Misfit& misfit) {
   const Words words = words_of(misfit);
-  // Of one photo the test carries the name.
+  // The test of one photo contains its name.
   return std::string(words.quantity) + (words.test == kWords.back().test ? misfit.test : "");
 }
 std::string remedy_in_words(const Misfit& misfit) { return std::string(words_of(misfit).remedy); }

@@ -32,7 +32,7 @@ mrcal_lensmodel_t mrcal_model(const std::string& name, const std::string& where)
     fail(where, "mrcal gives neither gradients nor an inverse for " + name,
          "convert it with mrcal-convert-lensmodel, to LENSMODEL_OPENCV8 for instance");
   if (model.type == MRCAL_LENSMODEL_SPLINED_STEREOGRAPHIC) {
-    // mrcal takes any numbers here and aborts the program later.
+    // mrcal accepts any numbers here and aborts the program later.
     const auto& config = model.LENSMODEL_SPLINED_STEREOGRAPHIC__config;
     if ((config.order != 2 && config.order != 3) || config.Nx < config.order + 1 || config.Ny < config.order + 1 ||
         config.fov_x_deg < 1 || config.fov_x_deg >= 360)
@@ -63,8 +63,8 @@ void mrcal_project(const std::string& name, const std::vector<double>& intrinsic
   auto* dq_dp_out = dq_dp ? reinterpret_cast<mrcal_point3_t*>(dq_dp->data()) : nullptr;
   bool ok = true;
   if (dq_dp && !dq_dintrinsics) {
-    // libmrcal 2.2 returns a wrong dq_dp for several points at once unless dq_dintrinsics is asked for too. One point a
-    // call is right, and cheaper than gradients that nobody wants.
+    // libmrcal 2.2 returns a wrong dq_dp for several points at once without a request for dq_dintrinsics. One point per
+    // call is right, and cheaper than unused gradients.
     for (std::size_t i = 0; i < count && ok; ++i)
       ok = ::mrcal_project(as_mrcal(&q_px[i]), dq_dp_out + 2 * i, nullptr, as_mrcal(&p_camera[i]), 1, &model,
                            intrinsics.data());

@@ -8,7 +8,7 @@ namespace {
 
 constexpr const char *kPosePrefix = "pose.", *kLightPrefix = "light.";
 
-// The fields of a lamp, and what they are called.
+// The fields of a lamp, and their names for people.
 constexpr std::pair<const char*, const char*> kPosition{"position_mm", "position"},
     kIntensity{"intensity", "intensity"}, kAxis{"axis", "axis"}, kFalloff{"falloff_exponent", "fall-off exponent"},
     kSize{"size", "size"};

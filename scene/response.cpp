@@ -67,7 +67,7 @@ void unsharpened(const Sharpening& sharpening, Image& stored) {
     for (int c = 0; c < n; ++c) sum += stored.data[i * n + c];
     given.data[i] = sum / static_cast<float>(n);
   }
-  // s = (given + a G s) / (1 + a): what is left of an error falls by a / (1 + a) in each round.
+  // s = (given + a G s) / (1 + a): each round reduces the error by the factor a / (1 + a).
   const auto a = static_cast<float>(sharpening.amount);
   const int rounds =
       static_cast<int>(std::ceil(std::log(1e-4) / std::log(sharpening.amount / (1 + sharpening.amount))));
@@ -86,7 +86,7 @@ void unsharpened(const Sharpening& sharpening, Image& stored) {
 void keep_green_sites(GreenSites sites, Image& linear) {
   if (sites == GreenSites::unknown) return;
   const int w = linear.width, h = linear.height, n = linear.channels;
-  // Only other sites change and only these sites are read, so that rows can be done in any order.
+  // The loop reads only these sites and changes only others, so rows are independent.
   tbb::parallel_for(0, h, [&](int y) {
     for (int x = measured_green(sites, 0, y) ? 1 : 0; x < w; x += 2)
       for (int c = 0; c < n; ++c) {

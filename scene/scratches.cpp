@@ -15,14 +15,14 @@
 namespace burin {
 namespace {
 
-constexpr double kShortest_mm = 1e-6;  // a nanometer: below it a scratch has no direction
+constexpr double kShortest_mm = 1e-6;  // a nanometer: a shorter scratch has no direction
 
 struct Column {
   const char* name;
   std::vector<double> Scratches::*values;
   bool required, positive;
   double most;
-  double least = 0;  // away from 0
+  double least = 0;  // smallest distance from 0
 };
 constexpr std::array<Column, 8> kColumns{
     {{"x0_mm", &Scratches::x0_mm, true, false, bound::kPlace_mm},
@@ -34,7 +34,7 @@ constexpr std::array<Column, 8> kColumns{
      {"alpha", &Scratches::alpha, false, true, 1e9},
      {"carved", &Scratches::carved, false, false, 1e9}}};
 
-/// All columns, those that are not in files too.
+/// All columns, including the one that is not in files.
 constexpr std::array<std::vector<double> Scratches::*, kColumns.size() + 1> all_columns() {
   std::array<std::vector<double> Scratches::*, kColumns.size() + 1> out{};
   for (std::size_t i = 0; i < kColumns.size(); ++i) out[i] = kColumns[i].values;
@@ -60,7 +60,7 @@ std::vector<const Column*> columns_of(const TableReader& table) {
   return columns;
 }
 
-/// Fixed decimals for places, significant digits for the rest; no locale.
+/// Fixed decimals for places, significant digits for other values; independent of the locale.
 void append_number(std::string& text, double value, bool place) {
   std::array<char, 64> buffer;
   const auto result = place ? std::to_chars(buffer.begin(), buffer.end(), value, std::chars_format::fixed, 5)

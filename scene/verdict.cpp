@@ -43,7 +43,7 @@ std::string field_in_words(bool linear, bool quadratic, bool wear) {
   return name + ", chosen by predicting each view from the others, accidents of single grooves counted";
 }
 
-// What the sigma is a share of, to be said right behind it; empty where `cause` says something else.
+// The reference of the sigma, to follow the sigma directly; empty for other causes.
 std::string of_what(const Cause& cause) {
   const auto& n = cause.numbers;
   switch (cause.kind) {
@@ -72,9 +72,9 @@ std::string of_what(const Cause& cause) {
   }
 }
 
-// Most of a sigma over the carve area is what photos do not tell, and what does.
+// Advice for a sigma over the carve area to which the tags' places contribute most; otherwise empty.
 std::string tags_in_words(const Verdict& verdict) {
-  constexpr double kPhotosPart = 2.0 / 3;  // a third less would be worth a photo
+  constexpr double kPhotosPart = 2.0 / 3;  // a decrease by a third would be worth a photo
   for (const Cause& cause : verdict.causes)
     if (cause.kind == Cause::Kind::of_carve_area && verdict.sigma && cause.numbers[0] < kPhotosPart * *verdict.sigma &&
         !verdict.determined())
@@ -154,7 +154,7 @@ std::string sentence(const Verdict& verdict) {
   const auto add = [&](const std::string& part) {
     if (!part.empty()) out += (out.empty() ? "" : "; ") + part;
   };
-  // The sentence of an old file says all of it already.
+  // The sentence of an old file is complete already.
   if (rests_on(verdict, Cause::Kind::told)) {
     for (const Cause& cause : verdict.causes) add(in_words(cause));
     return out;

@@ -14,7 +14,7 @@ namespace {
 Eigen::Isometry3d rigid_motion(JsonObject& json, const std::string& key) {
   const Eigen::Matrix4d m = json.matrix(key, 4, 4);
   const Eigen::Matrix3d R = m.topLeftCorner<3, 3>();
-  constexpr double kTolerance = 1e-6;  // what a person's 7 digits leave; 1 um at a meter
+  constexpr double kTolerance = 1e-6;  // rounding of a person's 7 digits; 1 um at a meter
   if ((m.row(3) - Eigen::RowVector4d(0, 0, 0, 1)).cwiseAbs().maxCoeff() > kTolerance)
     json.fail_field(key, "its last row is not [0, 0, 0, 1]", "write a 4x4 rigid motion, row by row");
   if ((R.transpose() * R - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff() > kTolerance || R.determinant() < 0)

@@ -30,7 +30,8 @@ MachineErrors read_machine_errors(JsonObject& json) {
                       "write how far an axis moves in one turn of its screw, above 0 and up to 100 mm");
     if (!(amplitude.cwiseAbs().maxCoeff() <= bound::kScrew_mm))
       json.fail_field("screw_mm", "is " + to_json(amplitude).dump(), "write amplitudes of some hundredths of a mm");
-    constexpr double kSteepest = 0.5;  // of a place by what is told: beyond it a screw would run backwards
+    // largest derivative of the error by the command; above 1, the tool would move backwards
+    constexpr double kSteepest = 0.5;
     if ((amplitude.array().abs() * (2 * std::numbers::pi) > kSteepest * period.array()).any())
       json.fail_field("screw_mm", "is too large for screw_period_mm", "write amplitudes of some hundredths of a mm");
     errors.screw_period_mm = period;

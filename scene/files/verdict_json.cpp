@@ -24,7 +24,7 @@ constexpr std::array<Name<NextPhoto::Kind>, 3> kNextPhotos{
      {NextPhoto::Kind::same_view_with_more_tags, "same_view_with_more_tags"},
      {NextPhoto::Kind::any_for_the_lens, "any_for_the_lens"}}};
 
-// How each cause is written: its name, its numbers' keys, and the key of its text.
+// Written form of each cause: its name, its numbers' keys, and the key of its text.
 struct CauseForm {
   Cause::Kind value;
   const char* name;
@@ -136,7 +136,7 @@ Verdict read_verdict(JsonObject json) {
   verdict.unit = form_named(kUnits, json, "unit", json.text("unit", "")).value;
   if (json.has("causes"))
     for (JsonObject& cause : json.objects("causes")) verdict.causes.push_back(read_cause(cause));
-  json.text("reason", "");  // for people, not for us
+  json.text("reason", "");  // for people; readers ignore it
   if (json.has("next_photo")) {
     JsonObject item = json.object("next_photo");
     NextPhoto next;
@@ -159,7 +159,7 @@ Verdict read_verdict_of_version_1(JsonObject json) {
   verdict.sigma = read_sigma(json);
   verdict.unit = form_named(kUnits, json, "unit", json.text("unit", "")).value;
   const std::string reason = json.text("reason", "");
-  // That version had no field for it: this sentence was its only sign of a number that a person gave.
+  // Version 1 had no field for it: this sentence is the only sign of a number from a person.
   if (reason == "given, and held fixed")
     verdict.source = Source::given;
   else if (!reason.empty())
