@@ -19,13 +19,13 @@
 namespace burin {
 namespace {
 
-constexpr double kFrameMargin = 0.04;  // of the picture's sides, that the board keeps free
+constexpr double kFrameMargin = 0.04;  // of the picture's sides: free border around the board
 constexpr double kSmallestTag_px = 15;
 
 Eigen::Vector3d middle_of(const Board& board) { return {0.5 * board.size_mm.x(), 0.5 * board.size_mm.y(), 0}; }
 
-// Camera axes as rows: looks along `forward`; upright when the board's normal (seen from the side) or y (from above) is
-// up in the picture, then rolled.
+// Camera axes as rows: the camera looks along `forward`. It is upright if the board's normal (seen from the side) or y
+// (from above) points up in the picture; then it is rolled.
 Eigen::Isometry3d looking(const Eigen::Vector3d& eye, const Eigen::Vector3d& target, double tilt, double roll) {
   const Eigen::Vector3d z = (target - eye).normalized();
   constexpr double kAboveAll = 0.1;
@@ -56,7 +56,7 @@ bool sees_board(const Lens& lens, const Eigen::Isometry3d& T, const Board& board
   });
 }
 
-// The nearest distance from which the whole board is in the picture.
+// The smallest distance with the whole board in the picture.
 double nearest_mm(const Lens& lens, const Board& board, const Eigen::Vector3d& direction, double tilt, double roll) {
   const Eigen::Vector3d middle = middle_of(board);
   const double size = board.size_mm.norm();
@@ -125,7 +125,7 @@ std::vector<CameraPlace> camera_places(const Board& board, const Lens& lens, boo
       CameraPlace place;
       place.direction = direction;
       place.tilt_rad = ring.tilt_deg * std::numbers::pi / 180;
-      // Rings are turned against each other, and against the board, so that no two places see it alike.
+      // Rings are rotated relative to each other, and to the board, so that all viewpoints differ.
       place.azimuth_rad = 2 * std::numbers::pi * (i + 0.25 * ring.tilt_deg / 20) / ring.count;
       const Eigen::Vector3d toward(std::sin(place.tilt_rad) * std::cos(place.azimuth_rad),
                                    std::sin(place.tilt_rad) * std::sin(place.azimuth_rad), std::cos(place.tilt_rad));
@@ -236,7 +236,7 @@ LightCandidate light_candidate(const Problem& data, const State& state, const Be
   LightCandidate out;
   out.information = Eigen::MatrixXd::Zero(n, n);
 
-  // The photo's pixels, binned to the size asked for, without anything in them.
+  // The photo's pixels, binned to the requested size, without content.
   Bench there = bench;
   View view;
   view.name = "candidate";
@@ -246,7 +246,7 @@ LightCandidate light_candidate(const Problem& data, const State& state, const Be
   LightView pixels;
   pixels.light = light;
   const double mm_per_px = place.distance_mm / bench.lens.intrinsics[0];
-  // Large boards in coarser pixels: what they tell grows with the number of grooves, not of pixels.
+  // Large boards have coarser pixels: information grows with the number of grooves, not of pixels.
   constexpr double kMostPixels = 200'000;
   const double coarse_mm = std::max(options.pixel_mm, std::sqrt(board.size_mm.prod() / kMostPixels));
   const int bin = std::max(1, static_cast<int>(std::lround(coarse_mm / mm_per_px)));
@@ -260,7 +260,7 @@ LightCandidate light_candidate(const Problem& data, const State& state, const Be
   PhotoData photo = make_photo_data(pixels, bin, board, there, 0.8 + 3 * blur_px / bin);
   show_only(data.model.sample, photo);
 
-  // Paper: a white and a black sample a tag.
+  // Paper: a white and a black sample per tag.
   const Eigen::Vector3d eye = place.center_mm();
   const std::vector<Tag>& tags = bench.tags.empty() ? board.tags.list : bench.tags;
   const LampModel<double> lamp{x.segment<3>(unknown::lamp_position), x[unknown::log_intensity],
@@ -291,7 +291,7 @@ LightCandidate light_candidate(const Problem& data, const State& state, const Be
       out.information += paper.row * paper.row.transpose();
     }
 
-  // Metal: every pixel, with the error that the prediction's own brightness gives it.
+  // Metal: every pixel, with the error from the predicted brightness.
   const CarvedStates grooves(data.model);
   photo.photo.value = predict(data.model, photo, x, *grooves.at(x));
   std::vector<float> bright;

@@ -10,15 +10,15 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// Generalized least squares with some scatter added.
+// Result of generalized least squares with additional scatter.
 struct Solution {
   VectorXd x;
   MatrixXd covariance;
   double chi2 = 0;
-  double log_likelihood = 0;  // of the scatter, what is fitted being integrated over
+  double log_likelihood = 0;  // of the scatter, with the fitted numbers marginalized
 };
 
-// The first `fans` rows scatter; those below are priors.
+// The first `fans` rows have scatter; the later rows are priors.
 Solution solve_with(const MatrixXd& design, const VectorXd& y, const MatrixXd& covariance, Index fans,
                     double scatter2) {
   MatrixXd V = covariance;
@@ -38,8 +38,8 @@ Solution solve_with(const MatrixXd& design, const VectorXd& y, const MatrixXd& c
   return out;
 }
 
-// The mean over all scatters that the samples allow, with the scatter itself: few repeats leave it open, and what is
-// open belongs into every sigma.
+// Average over all scatters that the samples permit, with an estimate of the scatter. Few repeats leave it uncertain,
+// and this uncertainty belongs in every sigma.
 Solution averaged(const MatrixXd& design, const VectorXd& y, const MatrixXd& covariance, Index fans,
                   Estimate& scatter) {
   constexpr int kSteps = 160;

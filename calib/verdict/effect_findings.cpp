@@ -16,7 +16,7 @@ Finding note(const std::string& what, const std::string& remedy = "") {
   return {Finding::Severity::note, {}, what, remedy};
 }
 
-// Nothing where a number was told, not measured.
+// Empty for a number that a person gave.
 std::string plus_minus(const std::optional<double>& sigma) { return sigma ? " +- " + significant(*sigma) : ""; }
 
 std::string measured(double value, const std::optional<double>& sigma, int decimals) {
@@ -29,7 +29,8 @@ std::string measured(const Eigen::Vector2d& v, const std::optional<Eigen::Vector
          measured(v.y(), sigma ? Sigma(sigma->y()) : Sigma(), decimals);
 }
 
-// The streaks' roughnesses come of base_alpha and of half the logarithm of their ratio, whose errors are held apart.
+// The roughnesses of a brushed face follow from base_alpha and from half the logarithm of their ratio. The errors of
+// both count as independent.
 std::string tell_grain(const Material& m, const MaterialSigma& sigma) {
   const double root = std::sqrt(m.grain.ratio());
   std::optional<double> share;  // of each
@@ -61,7 +62,7 @@ void tell_profile(const Bench& bench, const Board& board, std::vector<Finding>& 
                   "a look through a microscope decides: write what it shows into board.json, material.profile"));
 }
 
-// Where it stands as seen from the board's middle, and how bright it is there beside the lamp.
+// Direction of the unmodeled light from the board's middle, and its brightness there relative to the lamp.
 Finding tell_stray(const Bench& bench, const Eigen::Vector2d& board_size_mm) {
   const Eigen::Vector3d middle(0.5 * board_size_mm.x(), 0.5 * board_size_mm.y(), 0);
   const auto light_on_middle = [&](const Light& light) {

@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kGreen = 1;
 
-// The view's valid pixels, each with the green of its photo times what makes the two alike where photos are smooth.
+// Green values of the view's valid pixels, scaled to the view's values on smooth parts of the photo.
 Image green_of(const MergedView& photo, const LightView& view) {
   const int width = view.window.width, height = view.window.height;
   Image green(width, height, 1);

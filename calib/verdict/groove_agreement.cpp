@@ -10,7 +10,7 @@
 namespace burin {
 namespace {
 
-// Aside by more than the machine's map and the photos' blur could be off, and less than pictures vary over.
+// A shift beyond errors of the machine's map and the photos' blur, and below the size of structures in pictures.
 constexpr double kAside_mm = 2.5;
 constexpr std::array<std::array<double, 2>, 4> kAside{{{1, 0.4}, {-0.4, 1}, {-1, -0.4}, {0.4, -1}}};
 
@@ -19,8 +19,8 @@ struct Sums {
   std::size_t pixels = 0;
 };
 
-// The weights of a fit count less where the own prediction is bright, and would take a photo that is dark there for one
-// that agrees: here both predictions count alike.
+// The fit's weights are lower at pixels with a bright own prediction, and would accept a photo that is dark there. This
+// comparison weighs both predictions equally.
 Sums compare_predictions(const PhotoData& photo, double model_error, const Image& own, const Image& aside) {
   Sums sums;
   for (std::size_t i = 0; i < own.data.size(); ++i) {
@@ -29,7 +29,7 @@ Sums compare_predictions(const PhotoData& photo, double model_error, const Image
     const double own_value = own.data[i], aside_value = aside.data[i];
     const double w = 1 / std::hypot(noise, model_error * std::hypot(own_value, aside_value) / std::sqrt(2.0));
     const double difference = w * (own_value - aside_value);
-    // What else is wrong with a pixel (dust, a window's mirror image) counts no more than its prediction and its noise.
+    // Other effects on a pixel (dust, a window's mirror image) are clamped to its prediction and its noise.
     const double most = 2 * std::abs(difference) + 3 * w * noise;
     const double off = std::clamp(w * (photo.photo.value.data[i] - 0.5 * (own_value + aside_value)), -most, most);
     sums.towards += 2 * off * difference;
@@ -66,7 +66,7 @@ std::vector<GrooveAgreement> groove_agreements(const Problem& data, const State&
       sums[k].pixels += one.pixels;
     });
   }
-  constexpr double kFarFromNoise = 3;   // RMS of the predictions' difference, in the photo's noise
+  constexpr double kFarFromNoise = 3;   // RMS of the predictions' difference, in units of the photo's noise
   constexpr std::size_t kFewest = 500;  // pixels, in each of the comparisons
   std::vector<GrooveAgreement> out;
   for (const Sums& s : sums) {
@@ -81,8 +81,8 @@ std::vector<GrooveAgreement> groove_agreements(const Problem& data, const State&
 }
 
 std::vector<std::size_t> photos_of_other_grooves(const std::vector<GrooveAgreement>& agreements) {
-  // docs/results/calibration.md has what was measured. Most photos say whether it is another board; one by itself must
-  // be further off, and tell more.
+  // docs/results/calibration.md has the measurements. Most photos together decide about another board; a single photo
+  // needs a lower share and stronger evidence.
   constexpr double kOtherBoard = 0.4, kOwnBoard = 0.6, kOtherPhoto = 0.25, kLeastSigmas = 3, kSigmasInAll = 8;
   std::vector<double> shares;
   std::vector<std::size_t> all, out;
@@ -96,7 +96,7 @@ std::vector<std::size_t> photos_of_other_grooves(const std::vector<GrooveAgreeme
   if (all.size() < 3 || sigmas2 < kSigmasInAll * kSigmasInAll) return {};
   const double usual = median_of(shares);
   if (usual < kOtherBoard) return all;
-  if (usual < kOwnBoard) return {};  // a fit that has not got far tells nothing
+  if (usual < kOwnBoard) return {};  // a fit far from convergence gives no evidence
   for (const std::size_t k : all)
     if (agreements[k].tells && agreements[k].share < kOtherPhoto) out.push_back(k);
   return out;

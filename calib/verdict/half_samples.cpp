@@ -10,7 +10,7 @@
 namespace burin {
 namespace {
 
-// The root of chi-square's upper 0.1 % point over its degrees of freedom (Wilson and Hilferty, PNAS 17, 1931).
+// Square root of chi-square's upper 0.1 % point divided by its degrees of freedom (Wilson and Hilferty, PNAS 17, 1931).
 double chance_limit(double degrees) {
   constexpr double kNormal999 = 3.0902;
   const double k = 2.0 / (9.0 * degrees);
@@ -30,7 +30,7 @@ HalfSamples half_samples(const EquationsInParts& e) {
 
   std::vector<bool> paired(e.information.size(), false);
   for (const auto& [first, second] : e.pairs) paired[first] = paired[second] = true;
-  // A parameter that one half knows nothing of (a lamp that it does not show) is unknown there, not held.
+  // A parameter without information in one half (a lamp that it does not show) is unknown there, not fixed.
   Eigen::MatrixXd H_both = e.prior;
   H_both.diagonal() += 1e-10 * H.diagonal();
   Eigen::VectorXd g_both = e.prior_gradient;
@@ -39,8 +39,8 @@ HalfSamples half_samples(const EquationsInParts& e) {
       H_both += e.information[k];
       g_both += e.gradient[k];
     }
-  // Sylvester's Hadamard matrix: entry (row, column) is -1 to the number of ones that both share in binary. Column 0 is
-  // all ones, so pair p uses column p + 1, and there are more rows than pairs.
+  // Sylvester's Hadamard matrix: entry (row, column) is -1 to the power of the number of common ones in binary. Column
+  // 0 is all ones, so pair p uses column p + 1. There are more rows than pairs.
   const unsigned rows = std::bit_ceil(e.pairs.size() + 1);
   for (unsigned row = 0; row < rows; ++row) {
     Eigen::MatrixXd H_a = H_both, H_b = H_both;

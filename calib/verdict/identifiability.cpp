@@ -21,7 +21,7 @@
 namespace burin {
 namespace {
 
-// How well something must be known, in its unit.
+// Limits of the sigma for each status, in the parameter's unit.
 struct Limits {
   double determined, weakly;
 };
@@ -31,15 +31,15 @@ constexpr Limits kAxis{5, 20};          // degrees
 constexpr Limits kExponent{50, 150};    // %
 constexpr Limits kMachine{0.1, 0.3};    // mm over the carve area
 constexpr Limits kVignette{2, 10};      // % of a pixel's value, half way to the picture's corners
-constexpr Limits kAmbient{2, 10};       // % of what white paper sends back of the lamp's light
-constexpr Limits kFocal{0.5, 2};        // % of the focal length; a center: of the picture's longer side
+constexpr Limits kAmbient{2, 10};       // % of white paper's reflection of the lamp's light
+constexpr Limits kFocal{0.5, 2};        // % of the focal length; for the center: of the picture's longer side
 constexpr Limits kCenter{1, 5};         // %
 constexpr Limits kPose{0.3, 2};         // % of the camera's distance
 constexpr Limits kBow{0.02, 0.2};       // mm; 0.1 mm moves a lamp by 12 to 18 mm (docs/model.md 9)
-constexpr double kTagsLearnt = 0.5;     // of what was believed: photos that leave more say little
+constexpr double kTagsLearnt = 0.5;     // of the prior sigma: a larger sigma means little information
 constexpr double kTagsNotLearnt = 0.95;
 
-// What the halves say of several combinations that are one parameter together.
+// Comparison of the halves for several combinations that form one parameter.
 HalvesVerdict pooled(const HalfSamples& halves, const std::vector<Eigen::VectorXd>& combinations,
                      const std::vector<double>& sigmas) {
   HalvesVerdict out;
@@ -70,12 +70,12 @@ Degree degree_of(double sigma, const Limits& limits) {
                                    : Degree::not_determined;
 }
 
-// `sigma` in `unit`, already widened.
+// `sigma` in `unit`, already increased.
 Verdict judged(double sigma, const Limits& limits, Unit unit, std::vector<Cause> causes) {
   return {Source::measured, degree_of(sigma, limits), sigma, unit, std::move(causes)};
 }
 
-// Sine of a camera's lean from the board's normal, times its azimuth's cosine and sine: what sets views apart.
+// Sort key of views: the cosine of a direction's tilt from the board's normal.
 double lean_key(const Eigen::Vector3d& direction) { return direction.z(); }
 
 }  // namespace
@@ -95,7 +95,7 @@ Eigen::Matrix3d tag_frame_covariance(const Board& board) {
 
 namespace {
 
-// Each view's pose from halves of its tags, everything else held: the ratio by view (1 where there are too few).
+// Each view's pose from halves of its tags, with all else fixed: the ratio by view (1 for too few tags).
 std::vector<HalvesVerdict> pose_halves(const BoardSolution& geometry, const std::vector<std::size_t>& solved,
                                        const std::vector<BundleEquations::OfView>& whole) {
   const Bundle& bundle = geometry.bundle;
@@ -153,7 +153,7 @@ std::vector<HalvesVerdict> pose_halves(const BoardSolution& geometry, const std:
 
 namespace {
 
-// What judging needs, and where it writes.
+// Inputs of the judgment, and its destination.
 struct GeometryJudge {
   const BoardSolution& geometry;
   const Board& board;
@@ -163,7 +163,7 @@ struct GeometryJudge {
   Bench& bench;
   Combinations judged_here{};
 
-  // The columns from `at`, and the sigmas of each.
+  // The columns from `at`, and the sigma of each.
   struct Columns {
     std::vector<Eigen::VectorXd> rows;
     std::vector<double> sigmas;
@@ -209,7 +209,7 @@ void judge_lens(GeometryJudge& j) {
   const double grow = widening(check), longer = std::max(lens.width, lens.height);
   const double focal = 100 * grow * std::max(sigmas[0] / lens.intrinsics[0], sigmas[1] / lens.intrinsics[1]);
   const double center = 100 * grow * std::max(sigmas[2], sigmas[3]) / longer;
-  // One number for both: the share of the focal length, or what of a center counts as much.
+  // One number for both: relative sigma of the focal length, or the equivalent sigma of the center.
   const double share = std::max(focal, center * kFocal.determined / kCenter.determined);
   j.bench.verdict[parameter::kLens] =
       judged(share, kFocal, Unit::percent,
@@ -220,7 +220,7 @@ void judge_lens(GeometryJudge& j) {
   j.judged_here[parameter::kLens] = rows;
 }
 
-// The worst camera, and those that are worse than determined by name.
+// The worst camera, and by name the cameras that are worse than determined.
 void judge_poses(GeometryJudge& j) {
   const std::vector<HalvesVerdict> poses = pose_halves(j.geometry, j.solved, j.equations.views);
   double worst = 0;
@@ -257,7 +257,7 @@ void judge_poses(GeometryJudge& j) {
        {Cause::Kind::poses_by_halves, {static_cast<double>(contradicting), static_cast<double>(j.solved.size())}}});
 }
 
-// As a group: root mean square.
+// Tags as a group: root mean square.
 void judge_tags(GeometryJudge& j) {
   GeometryJudge::Columns tags;
   double sum2 = 0;
@@ -284,7 +284,7 @@ void judge_tags(GeometryJudge& j) {
 }
 
 void judge_bow(GeometryJudge& j) {
-  // Of a bent sheet the bow's first two numbers are its bend's: by how much its rim is known.
+  // For a bent sheet, the bow's first two numbers describe its bend: the sigma is that of its rim.
   const bool bent = j.geometry.bundle.surface.bend.has_value();
   const char* const name = bent ? parameter::kBend : parameter::kBow;
   const auto [rows, sigmas] = j.columns(j.equations.shared_at + 1, bent ? 2 : 3);
@@ -378,7 +378,7 @@ Straddle straddle_of(const Problem& data, const State& state) {
 
 namespace {
 
-// What judging needs, and where it writes.
+// Inputs of the judgment, and its destination.
 struct LightJudge {
   const Problem& data;
   const State& state;
@@ -392,7 +392,7 @@ struct LightJudge {
   Eigen::VectorXd unit(int at) const { return Eigen::VectorXd::Unit(size(), at); }
   Eigen::Vector3d center() const { return {data.model.center_mm.x(), data.model.center_mm.y(), 0}; }
 
-  // Keeps the combinations that a parameter is made of, and compares halves of the photos by them.
+  // Keeps a parameter's combinations, and compares halves of the photos by them.
   HalvesVerdict check(const std::string& name, const std::vector<Eigen::VectorXd>& rows) {
     judged_here[name] = rows;
     std::vector<double> sigmas;
@@ -401,8 +401,8 @@ struct LightJudge {
     return pooled(halves, rows, sigmas);
   }
 
-  // A parameter that is one combination of unknowns; its sigma is `scale` times theirs. Returns by how much that is
-  // widened.
+  // Judges a parameter that is one combination of unknowns; its sigma is `scale` times theirs. Returns the factor by
+  // which the sigma increased.
   double judge_one(const std::string& name, const Eigen::VectorXd& row, double scale, const Limits& limits,
                    std::vector<Cause> causes = {}) {
     const HalvesVerdict halves_say = check(name, {row});
@@ -412,7 +412,7 @@ struct LightJudge {
     return widening(halves_say);
   }
 
-  // Roughness and depth, whose unknowns are logarithms: sigmas are shares.
+  // Judges roughness and depth, whose unknowns are logarithms: their sigmas are relative.
   void judge_material(const char* name, int at, double value, std::optional<double>& sigma) {
     judge_one(name, unit(at), 1, kRelative);
     const Verdict& verdict = bench.verdict[name];
@@ -461,7 +461,7 @@ void judge_machine(LightJudge& j) {
   if (j.bench.machine_affine_sigma) *j.bench.machine_affine_sigma *= grow;
 }
 
-// What white paper in the middle sends back of the brightest lamp's light: the scale for ambient light.
+// Reflection of the brightest lamp's light by white paper in the middle: the scale for ambient light.
 double light_on_paper(const LightJudge& j) {
   double paper = 0;
   for (const Light& light : j.bench.lights) {
@@ -529,7 +529,7 @@ void judge_spot(LightJudge& j, std::size_t i) {
       judged(std::atan(across / distance) * 180 / std::numbers::pi, kAxis, Unit::degrees, {by_halves(aim)});
 }
 
-// A size that photos told is judged; one that a ruler told is held; a point is not spoken of.
+// Judges a size from photos; a size from a ruler stays fixed; a point has no verdict.
 void judge_size(LightJudge& j, std::size_t i) {
   Light& light = j.bench.lights[i];
   const std::string size = parameter::light_size(light.id);
@@ -554,7 +554,7 @@ void judge_size(LightJudge& j, std::size_t i) {
                                  kRelative, Unit::percent, {by_halves(check)});
 }
 
-// A light that nobody named: by its direction.
+// Judges an unmodeled light by its direction.
 void judge_stray(LightJudge& j) {
   j.bench.verdict.erase(parameter::kStray);
   if (!j.bench.stray) return;
@@ -564,12 +564,12 @@ void judge_stray(LightJudge& j) {
       judged(std::atan(across) * 180 / std::numbers::pi, kAxis, Unit::degrees, {by_halves(check)});
 }
 
-// Given but for their scale.
+// Surroundings: given except for their scale.
 void judge_surroundings(LightJudge& j, std::size_t i) {
   Light& light = j.bench.lights[i];
   const std::string intensity = parameter::light_intensity(light.id);
   j.judge_one(intensity, j.unit(unknown::ambient), std::max(j.state.shared[unknown::ambient], 1e-300), kRelative);
-  constexpr double kTables = 0.2;  // percent: what tables of surroundings miss of their light, about (model.md 10.7)
+  constexpr double kTables = 0.2;  // percent: approximate error of the surroundings' tables (model.md 10.7)
   double& percent = *j.bench.verdict[intensity].sigma;
   percent = std::hypot(percent, kTables);
   light.intensity_sigma = light.intensity * (percent / 100);
@@ -595,7 +595,7 @@ void judge_lamp(LightJudge& j, std::size_t i) {
   if (!j.stage.frees(Group::intensity)) return;
   const std::string intensity = parameter::light_intensity(light.id);
   j.judge_one(intensity, j.unit(global_index(unknown::log_intensity, i)), 1, kRelative);
-  constexpr double kTables = 0.2;  // percent: what tables of surroundings miss of their light, about (model.md 10.7)
+  constexpr double kTables = 0.2;  // percent: approximate error of the surroundings' tables (model.md 10.7)
   double& percent = *j.bench.verdict[intensity].sigma;
   percent = std::hypot(percent, kTables);
   light.intensity_sigma = light.intensity * (percent / 100);

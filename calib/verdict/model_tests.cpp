@@ -18,14 +18,14 @@ namespace {
 
 enum Quantity { kAlong, kAcross, kAzimuth, kHighlight, kBrightness, kFrame };
 
-// Squares of the board that scores are summed over: of kTileMm, and on small boards less, as few of them could not tell
-// chance from anything.
+// Squares of the board for sums of scores: kTileMm wide, and smaller on small boards, because few squares could not
+// measure chance.
 CellGrid tiles_of(const Board& board) {
   constexpr double kFewestAcross = 6;
   return board_tiles(board, std::min(kTileMm, board.size_mm.minCoeff() / kFewestAcross));
 }
 
-// What sets pixels apart but for the light they show. Angles' tangents are those of the half vector against the face.
+// Properties that distinguish pixels apart from their light. Angles' tangents are of the half vector against the face.
 struct PixelGeometry {
   double across = 0, azimuth_deg = 0, highlight = 0, frame = 0;
 };
@@ -62,7 +62,7 @@ const std::array<const char*, kPixelQuantities>& pixel_quantity_names() {
 
 BinEdges bin_edges(const Problem& data, const State& state) {
   BinEdges out{};
-  std::array<std::vector<std::pair<double, double>>, kPixelQuantities> values;  // with what each counts
+  std::array<std::vector<std::pair<double, double>>, kPixelQuantities> values;  // with their weights
   for (const PhotoData& photo : data.photos) {
     const Unknowns x = state.of(photo.photo.light);
     const std::size_t stride = 1 + photo.weight.size() / 3000;
@@ -86,7 +86,7 @@ BinEdges bin_edges(const Problem& data, const State& state) {
       while (edge < kQuantityBins - 1 && sum >= all * (edge + 1) / kQuantityBins) out[q][edge++] = value;
     }
   }
-  // d log(light) / d log(alpha) is -1 in the middle of a glint and 2 far beside it.
+  // d log(light) / d log(alpha) is -1 in the middle of a glint and 2 far from it.
   out[kAlong] = {-0.7, -0.4, 0.1, 0.5, 1.0};
   // In units of the grooves' cut-off angle.
   out[kAcross] = {0.5, 0.75, 0.9, 1.0, 1.1};
@@ -100,7 +100,7 @@ ClassSums class_sums(const Problem& data, std::size_t k, const State& state, con
   const Unknowns x = state.of(photo.photo.light);
   const CellGrid tiles = tiles_of(*data.model.board);
   const auto tile_count = static_cast<Eigen::Index>(tiles.cells());
-  // Over the unknowns that this photo has a column for.
+  // Indices of the unknowns with a column in this photo.
   std::vector<int> index;
   std::vector<const Image*> columns;
   const Image* by_alpha = nullptr;
@@ -158,7 +158,7 @@ ClassSums class_sums(const Problem& data, std::size_t k, const State& state, con
       const double score = loss.weight * residual;
       c.gradient += score * row;
       c.tile_scores.col(tile) += score * row;
-      small.bins[q][bin].by_tile[tile] -= score * seen;  // photo less prediction
+      small.bins[q][bin].by_tile[tile] -= score * seen;  // photo minus prediction
       small.bins[q][bin].norm_by_tile[tile] += loss.weight * seen * seen;
     }
   }
@@ -209,7 +209,7 @@ std::vector<Whole> whole_classes(const Problem& data, std::size_t lights, int qu
   return out;
 }
 
-// Priors and paper: what all classes share.
+// Priors and paper, which all classes share.
 struct Held {
   Eigen::MatrixXd information;
   Eigen::VectorXd gradient;
@@ -218,7 +218,7 @@ struct Held {
 Held held_by_all(const Problem& data, const State& state, const std::vector<bool>& free) {
   const Eigen::Index n = global_count(state.lamps.size());
   Held out{Eigen::MatrixXd::Zero(n, n), Eigen::VectorXd::Zero(n)};
-  // As many photos' pixels as were taken: half.
+  // The sums use half of the photos' pixels; paper and priors have the same factor.
   constexpr double kShareOfPixels = 0.5;
   for (const LightSample& sample : data.paper) {
     const auto [r, row] = paper_equation(data, state, sample, free);
@@ -238,7 +238,7 @@ Held held_by_all(const Problem& data, const State& state, const std::vector<bool
   return out;
 }
 
-// Where a class' answer lies from that of all, and what each square of the board adds to it.
+// Estimate of one class relative to the estimate of all, and the contribution of each square of the board.
 struct Answer {
   bool told = false;
   Eigen::VectorXd step;
@@ -260,8 +260,8 @@ Answer answer_of(const std::vector<Whole>& classes, std::size_t c, const Held& h
   return {classes[c].information.trace() > 0, -inverse * g, -inverse * scores};
 }
 
-// A t of `degrees` degrees of freedom as sigmas of a normal distribution (Wallace, Annals of Mathematical Statistics
-// 30, 1959).
+// Converts a t value with `degrees` degrees of freedom to sigmas of a normal distribution (Wallace, Annals of
+// Mathematical Statistics 30, 1959).
 double normal_sigmas(double t, double degrees) {
   return (8 * degrees + 1) / (8 * degrees + 3) * std::sqrt(degrees * std::log1p(t * t / degrees));
 }
@@ -277,7 +277,7 @@ Contrast contrast_of(const Answer& a, const Answer& b) {
   Contrast out;
   out.difference = a.step - b.step;
   const Eigen::MatrixXd by_tile = a.by_tile - b.by_tile;
-  std::vector<Eigen::Index> used;  // squares that any pixel of the classes lies in
+  std::vector<Eigen::Index> used;  // squares with pixels of the classes
   for (Eigen::Index t = 0; t < by_tile.cols(); ++t)
     if (by_tile.col(t).cwiseAbs().maxCoeff() > 0) used.push_back(t);
   const auto count = static_cast<double>(used.size());
@@ -293,8 +293,8 @@ Contrast contrast_of(const Answer& a, const Answer& b) {
   return out;
 }
 
-// How far the answer of all may be off: half of what lies between two classes, as for two halves of the photos, without
-// what chance makes.
+// Possible error of the estimates: half of the difference between two classes, as for two halves of the photos, without
+// the part due to chance.
 Eigen::VectorXd half_beyond_chance(const Contrast& c) {
   constexpr double kMostLogarithm = 1.5;
   Eigen::VectorXd out = c.difference;
@@ -304,7 +304,7 @@ Eigen::VectorXd half_beyond_chance(const Contrast& c) {
   return out;
 }
 
-// What photos show less what the model says, bin by bin.
+// Photos minus model, bin by bin.
 std::vector<Misfit::Class> residuals_by_bin(int quantity, const std::vector<ClassSums>& photos) {
   std::vector<Misfit::Class> out;
   for (int bin = 0; bin < kQuantityBins; ++bin) {
@@ -328,7 +328,7 @@ std::vector<Misfit::Class> residuals_by_bin(int quantity, const std::vector<Clas
 
 std::vector<ModelTest> test_model(const Problem& data, const State& state, const std::vector<bool>& free,
                                   const std::vector<ClassSums>& photos) {
-  // Six quantities, three contrasts, three numbers: chance exceeds four sigmas once in three hundred benches.
+  // Six quantities, three contrasts, three numbers: chance exceeds four sigmas in one of three hundred setups.
   constexpr double kBeyondChance = 4;
   std::vector<ModelTest> out;
   if (photos.empty()) return out;

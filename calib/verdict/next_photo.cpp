@@ -25,10 +25,10 @@ std::vector<std::string> left_open(const Combinations& judged, const Bench& benc
   return out;
 }
 
-// A photo is named if it leaves at most this much of the sigma that it is named for.
+// Largest remaining fraction of the sigma for a photo to be named.
 constexpr double kWorthTaking = 2.0 / 3;
 
-// The part of a sigma's square that no photo makes smaller: of the machine's map what the tags' places add.
+// The part of a sigma's square that no photo reduces: the contribution of the tags' places to the machine's map.
 double beyond_photos(const Verdict& verdict) {
   for (const Cause& cause : verdict.causes)
     if (cause.kind == Cause::Kind::of_carve_area && verdict.sigma && *verdict.sigma > 0)
@@ -42,14 +42,14 @@ double variance(const std::vector<Eigen::VectorXd>& rows, const Eigen::MatrixXd&
   return sum;
 }
 
-// What the sigma would come to.
+// The predicted sigma.
 std::optional<double> to_be_expected(const Verdict& verdict, double ratio) {
   if (!verdict.sigma) return std::nullopt;
   return *verdict.sigma * ratio;
 }
 
-// What the photos taken hold sharp, as far as their places tell: nobody focuses anew for one photo more. Nothing where
-// the whole board is seen from nowhere within it.
+// Viewpoints within the sharp range of the existing photos, estimated from their places: nobody refocuses for one
+// additional photo. Empty if no viewpoint within it sees the whole board.
 std::vector<CameraPlace> places_in_focus(const std::vector<double>& distances_mm, const Board& board, const Lens& lens,
                                          bool variants) {
   if (!distances_mm.empty()) {
@@ -63,7 +63,7 @@ std::vector<CameraPlace> places_in_focus(const std::vector<double>& distances_mm
   return camera_places(board, lens, variants);
 }
 
-// Of cameras that photographed it, from the board's middle.
+// Distance of an existing photo's camera from the board's middle.
 double distance_mm(const Eigen::Isometry3d& T_camera_board, const Board& board) {
   return (T_camera_board * Eigen::Vector3d(board.size_mm.x() / 2, board.size_mm.y() / 2, 0)).norm();
 }
@@ -110,7 +110,7 @@ void advise_geometry(const BoardSolution& geometry, const Board& board, const Co
 
 namespace {
 
-// The bench with lamps that could be put elsewhere: unknowns of their own, behind those there are.
+// The setup with possible lamps as additional unknowns, after the existing ones.
 struct WiderBench {
   Bench bench;
   Problem problem;  // without photos
@@ -131,7 +131,7 @@ WiderBench wider_bench(const Problem& data, const State& state, const Uncertaint
   out.problem.merged_bin = data.merged_bin;
   const State all = state_of(out.bench, out.problem);
   out.state = state;
-  if (data.surroundings) out.state.shared[unknown::ambient] = 0;  // a candidate is judged by what its lamp sends
+  if (data.surroundings) out.state.shared[unknown::ambient] = 0;  // a candidate is judged by its lamp's light
   out.free = u.free;
   for (std::size_t lamp = out.own_lamps; lamp < out.bench.lights.size(); ++lamp) {
     out.state.lamps.push_back(all.lamps[lamp]);
@@ -141,8 +141,8 @@ WiderBench wider_bench(const Problem& data, const State& state, const Uncertaint
   return out;
 }
 
-// What the photos have told, over the unknowns of the wider bench. What nothing says has a little information, so that
-// it is unknown and not held.
+// Information of the existing photos over the unknowns of the wider setup. Unknowns without information get a small
+// one, so that they are unknown and not fixed.
 Eigen::MatrixXd information_so_far(const Uncertainty& u, const WiderBench& wider) {
   const auto n = static_cast<Eigen::Index>(u.free.size()), wide = static_cast<Eigen::Index>(wider.free.size());
   Eigen::MatrixXd H = Eigen::MatrixXd::Zero(wide, wide);
@@ -153,8 +153,8 @@ Eigen::MatrixXd information_so_far(const Uncertainty& u, const WiderBench& wider
   return H;
 }
 
-// Candidates are rendered in larger pixels than the photos were fitted in: three of the photos themselves, seen like
-// candidates, say how many times more a photo tells.
+// Candidates have larger pixels than the fit of the photos. Three existing photos, rendered like candidates, give the
+// ratio of a photo's information to its prediction.
 double information_scale(const Problem& data, const Uncertainty& u, const WiderBench& wider,
                          const LightCandidateOptions& options) {
   std::vector<double> scales;
@@ -179,8 +179,8 @@ struct Best {
   std::size_t light = 0, straddling = 0;
 };
 
-// The best photo under a lamp as it stands, unless only one that is put elsewhere tells enough; without a place where
-// none is worth it. Of a depth whose cut-off is not seen any photo that brings it nearer is.
+// The best photo under an existing lamp, unless only a moved lamp gives enough information; without a place if no photo
+// is worth it. For a depth with an unseen cut-off, any photo that brings the cut-off nearer counts.
 Best chosen(const Best& own, const Best& moved, std::size_t rarer) {
   if (own.place != nullptr && is_worth_taking(own.score, own.straddling, rarer)) return own;
   const Best& best = moved.place != nullptr && moved.score < own.score ? moved : own;
@@ -205,7 +205,7 @@ NextPhoto next_photo_of(const Best& best, const Verdict& verdict, const WiderBen
 }  // namespace
 
 bool is_worth_taking(double sigma_ratio, std::size_t half_vectors, std::size_t half_vectors_now) {
-  // Another one like it, and the cut-off is seen.
+  // A second photo of this kind would show the cut-off.
   if (half_vectors > 0) {
     const std::size_t by_two = half_vectors_now + 2 * (half_vectors - std::min(half_vectors, half_vectors_now));
     return Straddle{by_two, by_two}.both();
@@ -249,7 +249,7 @@ void advise_light(const Problem& data, const State& state, const Uncertainty& u,
       double score = std::sqrt(left + (1 - left) * variance(rows, after) / variance(rows, before));
       std::size_t straddling = 0;
       if (open[i] == parameter::kDepth && !straddle.both()) {
-        // First of all the cut-off must come into sight, on both its sides.
+        // The cut-off must come into view first, on both its sides.
         straddling =
             std::min(straddle.inside + candidate.straddle.inside, straddle.outside + candidate.straddle.outside);
         if (straddling <= rarer) continue;
@@ -268,7 +268,7 @@ void advise_light(const Problem& data, const State& state, const Uncertainty& u,
                static_cast<double>(p) / static_cast<double>(places.size()));
     for (std::size_t light = 0; light < wider.bench.lights.size(); ++light) {
       if (!wider.bench.lights[light].is_near()) continue;
-      if (light >= wider.own_lamps && p % 2 == 1) continue;  // a moved lamp is tried from every other place
+      if (light >= wider.own_lamps && p % 2 == 1) continue;  // a moved lamp is tried from every second place
       if (in_the_way(places[p].center_mm(), wider.bench.lights[light].position_mm, board)) continue;
       const LightCandidate candidate =
           light_candidate(wider.problem, wider.state, wider.bench, places[p], light, wider.free, options);

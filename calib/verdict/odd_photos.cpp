@@ -12,12 +12,12 @@
 namespace burin {
 namespace {
 
-// Clean benches' views differ by up to 1.8 times, an amateur's by 1.2; one that sees another lamp's mirror image stands
-// out by four. Below the least, what is missed is hardly more than the camera's noise.
+// Views of clean setups differ by a factor of up to 1.8, of an amateur's setup by 1.2. A view with another lamp's
+// mirror image differs by a factor of four. Below kLeast, the model error hardly exceeds the camera's noise.
 constexpr double kStandsOut = 3, kLeast = 4;
-constexpr double kMostLogarithm = 1.5;  // a view that alone holds a number: not known within a factor of four
+constexpr double kMostLogarithm = 1.5;  // a view that alone determines a number: known only within a factor of four
 
-// Of each part, its worst photo under any lamp; 0 where none of its pixels was used.
+// Residual of each part: its worst photo under any lamp; 0 if none of its pixels was used.
 std::vector<double> residuals_by_part(const std::vector<PhotoFit>& photos, const std::vector<std::size_t>& parts) {
   std::vector<double> out;
   for (const std::size_t first : parts) {

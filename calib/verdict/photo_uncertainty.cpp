@@ -13,18 +13,19 @@
 namespace burin {
 namespace {
 
-// By how much the answer moves where something else is believed: the unknowns, and cameras, bow and lens with them.
+// Shifts of the estimates under another assumption: the unknowns, and cameras, bow and lens with them.
 struct Shifts {
   std::vector<Eigen::VectorXd> unknowns, geometry;
 };
 
-// The problem's own model; one with a more tolerant loss; and those with grooves that differ by a sigma more.
+// The problem's own model, a model with a more tolerant loss, and models whose groove-to-groove variation is larger by
+// one sigma.
 std::vector<ModelData> models_as_good(const Problem& data) {
-  // What the answer owes to the loss: residuals of dust and of the model's own errors are skewed, and a loss that
-  // forgives them moves the answer. One step towards the optimum of another scale shows by how much.
+  // Influence of the loss: residuals from dust and model errors are skewed, and a tolerant loss shifts the estimates.
+  // One step towards the optimum of another scale measures the shift.
   std::vector<ModelData> models{data.model, data.model};
   models.back().cauchy *= 2;
-  // And what it owes to how much grooves are believed to differ: that sets the mean light of uneven ones.
+  // Influence of the assumed groove-to-groove variation, which determines the mean light of uneven grooves.
   for (const auto& [jitter, sigma2] : {std::pair(&ModelData::alpha_jitter, data.model.alpha_jitter2_sigma),
                                        std::pair(&ModelData::depth_jitter, data.model.depth_jitter2_sigma)}) {
     if (!(sigma2 > 0)) continue;
@@ -55,7 +56,7 @@ Shifts shifts_of(const Problem& data, const Stage& stage, const State& state, co
   return out;
 }
 
-// Scores that are taken for independent, and by what factor a sum over few of them falls short.
+// Scores that count as independent, and the correction of a sum over few of them.
 struct Clusters {
   Eigen::MatrixXd scores;
   double factor = 1;
@@ -82,7 +83,7 @@ Eigen::MatrixXd quadrants_of(const Problem& data, const NormalSystem& system) {
   return quadrants;
 }
 
-// Photos in groups along the lean of their half vectors.
+// Photos in groups by the tilt of their half vectors.
 Eigen::MatrixXd groups_by_lean(const Problem& data, const State& state, const NormalSystem& system) {
   const std::size_t count = data.photos.size();
   const Eigen::Vector3d center(data.model.center_mm.x(), data.model.center_mm.y(), 0);
@@ -101,9 +102,9 @@ Eigen::MatrixXd groups_by_lean(const Problem& data, const State& state, const No
   return grouped;
 }
 
-// Errors of the model itself are alike in neighboring places and in photos with like half vectors, so clusters as small
-// as squares of the board would take them for many independent ones. Few large clusters do not: the board's quadrants,
-// and the photos in groups.
+// Errors of the model are correlated between neighboring places and between photos with similar half vectors. Clusters
+// as small as squares of the board would treat them as many independent errors. A few large clusters do not: the
+// board's quadrants, and the photos in groups.
 std::vector<Clusters> clusters_of(const Problem& data, const State& state, const NormalSystem& system) {
   std::vector<Clusters> out{squares_and_tags(system)};
   for (Eigen::MatrixXd& scores :
@@ -114,13 +115,13 @@ std::vector<Clusters> clusters_of(const Problem& data, const State& state, const
   return out;
 }
 
-// The cameras' centers, board axes. Zero for views without photos.
+// Sigmas of the cameras' centers, board axes. Zero for views without photos.
 std::vector<Eigen::Vector3d> center_sigmas(const Problem& data, const NormalSystem& system,
                                            const Eigen::MatrixXd& inverse, double scatter,
                                            const std::vector<Clusters>& clusters,
                                            const std::vector<Eigen::VectorXd>& geometry_shifts) {
-  // The centers -R^T t move by -R^T times what t moves by; turns about the camera leave them where they are. A column
-  // an axis of each view; those of views without photos stay 0.
+  // The shift of a center -R^T t is -R^T times the shift of t; rotations about the camera leave it unchanged. One
+  // column per axis of each view; columns of views without photos stay 0.
   const Eigen::Index n = system.H.rows(), m = system.A.rows(),
                      views = static_cast<Eigen::Index>(data.geometry->T_camera_board.size());
   Eigen::MatrixXd by_geometry = Eigen::MatrixXd::Zero(m, 3 * views);
@@ -131,11 +132,11 @@ std::vector<Eigen::Vector3d> center_sigmas(const Problem& data, const NormalSyst
   const Eigen::MatrixXd by_own = inverse_times(system.A, by_geometry), by_unknowns = system.gain * by_geometry,
                         by_scores = inverse * by_unknowns;
   const Eigen::MatrixXd by_tags = by_own + system.gain.transpose() * by_scores;
-  Eigen::MatrixXd by_score(n + m, 3 * views);  // the centers' moves for each score of the unknowns and the geometry
+  Eigen::MatrixXd by_score(n + m, 3 * views);  // shifts of the centers per score of the unknowns and the geometry
   by_score << by_scores, -by_own;
   std::vector<Eigen::Vector3d> out(data.geometry->T_camera_board.size(), Eigen::Vector3d::Zero());
   for (Eigen::Index k = 0; k < 3 * views; ++k) {
-    const double weight = data.geometry->weight;  // scores that weigh more scatter more
+    const double weight = data.geometry->weight;  // scores with a larger weight scatter more
     const double of_priors = weight * weight * by_tags.col(k).dot(data.geometry->information * by_tags.col(k)) +
                              by_scores.col(k).dot(system.prior.cwiseProduct(by_scores.col(k)));
     double variance = scatter * (by_geometry.col(k).dot(by_own.col(k)) + by_unknowns.col(k).dot(by_scores.col(k)));
@@ -147,7 +148,7 @@ std::vector<Eigen::Vector3d> center_sigmas(const Problem& data, const NormalSyst
   return out;
 }
 
-// By how much the answer moves without each view, in the order of H_view.
+// Shifts of the estimates without each view, in the order of H_view.
 std::vector<Eigen::VectorXd> shifts_without_views(const NormalSystem& system) {
   std::vector<Eigen::VectorXd> out;
   for (const auto& [view, H] : system.H_view)
@@ -155,7 +156,7 @@ std::vector<Eigen::VectorXd> shifts_without_views(const NormalSystem& system) {
   return out;
 }
 
-// Delete one view at a time.
+// Jackknife: deletes one view at a time.
 Eigen::MatrixXd jackknife_of(const std::vector<Eigen::VectorXd>& shifts) {
   const Eigen::Index n = shifts.front().size();
   const auto views = static_cast<double>(shifts.size());
@@ -166,7 +167,7 @@ Eigen::MatrixXd jackknife_of(const std::vector<Eigen::VectorXd>& shifts) {
   return out * (views - 1) / views;
 }
 
-// Several tests see one contradiction from several sides: together they count once.
+// Several tests detect one contradiction in several ways: together they count once.
 void add_misfits(std::vector<ModelTest> tests, Uncertainty& out) {
   const double share = 1 / std::sqrt(static_cast<double>(std::max<std::size_t>(1, tests.size())));
   for (ModelTest& test : tests) {
@@ -175,8 +176,8 @@ void add_misfits(std::vector<ModelTest> tests, Uncertainty& out) {
   }
 }
 
-// Where grooves cut each other's rims away, benches whose truth is known come out a little too shallow, and their
-// roughnesses a little off, for a reason not found (docs/results/calibration.md): by this much, RMS.
+// With grooves that cut each other's rims away, setups with known ground truth give slightly too shallow depths and
+// slightly wrong roughnesses, for an unknown reason (docs/results/calibration.md). The constants are the RMS errors.
 void add_unexplained_by_rims(Uncertainty& out) {
   constexpr double kDepth = 0.003, kRoughness = 0.001;
   for (const auto& [unknown, by] : {std::pair(unknown::log_depth, kDepth), std::pair(unknown::log_alpha, kRoughness),
@@ -184,16 +185,17 @@ void add_unexplained_by_rims(Uncertainty& out) {
     out.shifts.emplace_back(by * Eigen::VectorXd::Unit(out.covariances.front().rows(), unknown));
 }
 
-// The streaks of a brushed face are no two alike, and turned a little each: what they scatter is part of its roughness,
-// which came out by this much too high, RMS, on two benches that are known.
+// The streaks of a brushed face differ from each other, and each has a slightly different direction. Their scatter is
+// part of its roughness. On two setups with known ground truth, the roughness was too high by this RMS error.
 void add_unexplained_by_streaks(Uncertainty& out) {
   constexpr double kRoughness = 0.001;
   out.shifts.emplace_back(kRoughness * Eigen::VectorXd::Unit(out.covariances.front().rows(), unknown::log_base_alpha));
 }
 
-// Light that the model misses looks like half vectors that are turned: a share m of it, on a lobe so wide as alpha, by
-// m alpha. Pixels that scatter as one would have to be many more to tell a lamp's direction better. Of 26 benches with
-// departures the two whose lamps stood more than four sigmas off had one of their sigmas at a third of this.
+// Unmodeled light has the effect of rotated half vectors: a fraction m of it, on a lobe of width alpha, rotates them by
+// m alpha. Pixels with a common error would have to be far more numerous to determine a lamp's direction better. In 26
+// setups with departures, the two whose lamps were wrong by more than four sigmas had one sigma at a third of this
+// value.
 void add_unexplained_light(const Problem& data, const State& state, Uncertainty& out) {
   if (data.photo_model_error.empty()) return;
   constexpr double kTimes = 1.5;

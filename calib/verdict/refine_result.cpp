@@ -100,7 +100,7 @@ std::set<std::size_t> fit_colors(const Problem& data, std::span<const MergedView
         bench.lights[light].intensity[c] *= std::max(0.0, factor[static_cast<Eigen::Index>(light)]);  // a pure red lamp
         told.insert(light);
       }
-    if (!data.surroundings) bench.ambient[c] = std::max(0.0, factor[n - 1]);  // theirs are as given
+    if (!data.surroundings) bench.ambient[c] = std::max(0.0, factor[n - 1]);  // the surroundings' colors are given
   }
   return told;
 }
@@ -128,8 +128,8 @@ std::vector<Finding> keep_colors(std::span<const Light> given, const std::set<st
 
 namespace {
 
-// Photos see the scratches against the tags, so the frame itself is only as good as the tags' believed places taken
-// together; that is no fault of the photos and must not be read as one of the machine.
+// Photos show the scratches relative to the tags. The frame itself is therefore only as accurate as the prior of all
+// tags together. This error is not due to the photos and must not appear as an error of the machine.
 Affine2 machine_sigma(const Problem& data, const Uncertainty& uncertainty) {
   const Eigen::Vector2d c = data.model.center_mm;
   const Eigen::Matrix3d frame = tag_frame_covariance(*data.model.board);
@@ -148,7 +148,7 @@ Affine2 machine_sigma(const Problem& data, const Uncertainty& uncertainty) {
   return sigma;
 }
 
-// Of what only some benches have.
+// Sigmas of effects that only some setups have.
 void fill_effect_sigmas(const Uncertainty& uncertainty, const Stage& stage, Bench& bench) {
   const auto two = [&](int first) { return Eigen::Vector2d(uncertainty.sigma(first), uncertainty.sigma(first + 1)); };
   MachineErrors& errors = bench.machine_errors;
@@ -177,7 +177,7 @@ void fill_effect_sigmas(const Uncertainty& uncertainty, const Stage& stage, Benc
   if (stage.frees(Group::across)) sigma.across = profile.across * uncertainty.sigma(unknown::log_across);
 }
 
-// Of an area that photos told: its radius, or its sides and their direction.
+// Sigmas of an area from photos: its radius, or its sides and their direction.
 void put_size_sigmas(const Problem& data, const State& state, const Uncertainty& uncertainty, std::size_t light,
                      LampSize& size) {
   if (size.is_point()) return;
@@ -199,7 +199,7 @@ void put_size_sigmas(const Problem& data, const State& state, const Uncertainty&
   size.turn_sigma_deg = sigma[2];
 }
 
-// Of a light that nobody named. How far away it is may be known hardly at all; then both are large.
+// Sigmas of an unmodeled light. Its distance may be almost unknown; then both are large.
 void put_stray_sigmas(const Problem& data, const State& state, const Uncertainty& uncertainty, Light& stray) {
   const auto slopes = stray_slopes(stray_numbers(state.block(unknown::stray)), data.model.board->size_mm);
   std::array<double, 4> sigma{};
@@ -212,7 +212,7 @@ void put_stray_sigmas(const Problem& data, const State& state, const Uncertainty
   stray.intensity_sigma = stray.intensity * sigma[3];
 }
 
-// Of the numbers that put_state() wrote; judge_light() makes larger what halves of the photos contradict.
+// Sigmas of the numbers from put_state(); judge_light() increases those that halves of the photos contradict.
 void fill_sigmas(const Problem& data, const State& state, const Uncertainty& uncertainty, const Stage& stage,
                  Bench& bench) {
   bench.material_sigma.alpha = bench.material.alpha * uncertainty.sigma(unknown::log_alpha);
@@ -252,7 +252,7 @@ void fill_sigmas(const Problem& data, const State& state, const Uncertainty& unc
       bench.views[view].center_sigma_mm = uncertainty.center_sigma_mm[view];
 }
 
-// How far the sigmas stand above what the camera's noise alone would allow: the rest is what the model misses.
+// Excess of the sigmas over the bound from the camera's noise alone: it is due to model error.
 void compare_with_noise(const Uncertainty& uncertainty, const Stage& stage, Refinement& out) {
   Bench& bench = out.bench;
   const auto beside_noise = [&](const std::string& name, double sigma, double bound, Unit unit) {
@@ -275,7 +275,7 @@ void compare_with_noise(const Uncertainty& uncertainty, const Stage& stage, Refi
   }
 }
 
-// Views whose grooves are others, unless a lamp's move explains them.
+// Reports views with other grooves, unless a lamp's move explains them.
 void tell_other_grooves(const Board& board, const std::vector<std::string>& explained, Refinement& out) {
   std::erase_if(out.other_grooves, [&](const std::string& view) {
     return std::find(explained.begin(), explained.end(), view) != explained.end();
@@ -291,8 +291,8 @@ void tell_other_grooves(const Board& board, const std::vector<std::string>& expl
                                       "take these photos out, and run burin capture and burin calibrate again"));
 }
 
-// Names what the model misses, in the verdicts of what it moves and as findings. Returns the views that are odd because
-// a lamp was moved.
+// Reports model errors, in the verdicts of the affected parameters and as findings. Returns the views whose oddness a
+// moved lamp explains.
 std::vector<std::string> tell_misfits(const Uncertainty& uncertainty, const Session* session, Refinement& out) {
   Bench& bench = out.bench;
   bench.misfits = uncertainty.misfits;
@@ -309,7 +309,7 @@ std::vector<std::string> tell_misfits(const Uncertainty& uncertainty, const Sess
   for (const std::string& name : touched)
     if (const auto verdict = bench.verdict.find(name); verdict != bench.verdict.end() && verdict->second.sigma)
       verdict->second.causes.push_back({Cause::Kind::model_misses, {most, count}, tests});
-  // Odd photos that were all taken before, or after, one moment are one finding.
+  // Odd photos that all precede, or all follow, one moment are one finding.
   std::vector<std::string> odd;
   for (const Misfit& m : bench.misfits)
     if (is_of_photo(m)) odd.push_back(m.test.substr(std::string_view("photo ").size()));
