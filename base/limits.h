@@ -19,7 +19,7 @@ constexpr std::uintmax_t kTableBytes = kGiB;             ///< scratches.csv, res
 constexpr std::uintmax_t kGcodeBytes = kGiB;             ///< G-code to be replayed, and any other text
 constexpr std::uintmax_t kMeshBytes = 256 * kMiB;        ///< an OBJ
 constexpr std::uintmax_t kPictureBytes = 4 * kGiB;       ///< a photo or a picture
-constexpr std::uintmax_t kPictureHeadBytes = 16 * kMiB;  ///< bytes that are searched for a picture's size
+constexpr std::uintmax_t kPictureHeadBytes = 16 * kMiB;  ///< bytes searched for a picture's size
 
 constexpr std::size_t kMeshLineBytes = kMiB;  ///< a line of an OBJ
 

@@ -25,7 +25,7 @@ bool has_kernel(SimdWidth width) {
     case SimdWidth::generic:
       return true;
 #ifdef BURIN_X86_KERNELS
-    // The built-ins check the processor, and that the system saves its registers.
+    // The built-ins check the processor and the system's support for its registers.
     case SimdWidth::avx2:
       return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
     case SimdWidth::avx512:

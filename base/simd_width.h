@@ -5,7 +5,7 @@
 
 namespace burin {
 
-/// `generic` is the compiler's base line (SSE2, NEON); `best` is the widest that this machine runs.
+/// `generic` is the compiler's base line (SSE2, NEON); `best` is the widest on this machine.
 enum class SimdWidth : std::uint8_t { best, generic, avx2, avx512 };
 
 /// True if this build, the processor and the operating system run a width.

@@ -22,8 +22,8 @@ class ThreadLimit {
   std::unique_ptr<State> state_;
 };
 
-/// Number of threads that work may use: the machine's cores, or the smallest active ThreadLimit. It serves libraries
-/// that take a number.
+/// Permitted number of threads: the machine's cores, or the smallest active ThreadLimit. It serves libraries that take
+/// a number.
 int thread_count();
 
 }  // namespace burin

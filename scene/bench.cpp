@@ -112,7 +112,7 @@ Light read_light(JsonObject& json, const fs::path& file) {
   light.axis = json.vec3("axis", light.axis);
   const double length = light.axis.norm();
   if (!(length > 1e-9)) json.fail_field("axis", "has no direction", "write the direction the lamp points in");
-  // A person's three digits give no exact unit vector. A vector that Burin wrote is a unit vector and stays unchanged,
+  // A person's three digits give no exact unit vector. A vector written by Burin is a unit vector and stays unchanged,
   // to the last bit.
   if (std::abs(length - 1) > 1e-12) light.axis /= length;
   light.falloff_exponent = json.number("falloff_exponent", light.falloff_exponent);

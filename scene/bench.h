@@ -31,7 +31,7 @@ struct View {
   std::optional<Eigen::Vector3d> center_sigma_mm;  ///< of the center, board axes
   std::optional<double> reprojection_rms_px;       ///< per axis
   std::optional<int> tags;                         ///< tags used
-  /// Lens deviation of this view and its standard deviations, if calibration found lenses that differ between photos.
+  /// Lens deviation of this view and its standard deviations, if calibration found different lenses between photos.
   std::optional<OwnLens> own_lens, own_lens_sigma;
   /// Set if the file gives only the eye and aim_views() (burin/scene/bench_of_board.h) has not run yet. T_camera_board
   /// then holds only the center.
@@ -70,7 +70,7 @@ struct LensScatter {
   double shift_px = 0, focal = 0;
 };
 
-/// A setup, nominal or measured: everything that determines a photo except the board and the scratches.
+/// A setup, nominal or measured: all inputs of a photo except the board and the scratches.
 struct Bench {
   Lens lens;
   std::filesystem::path camera;             ///< file of the lens; empty if bench.json contains the lens itself
@@ -81,10 +81,10 @@ struct Bench {
   std::optional<Light> stray;
   Material material;
   MaterialSigma material_sigma;
-  SaidMaterial said;                     ///< fields present in the file that this was read from
+  SaidMaterial said;                     ///< fields present in the source file
   ToldMaterial told;                     ///< set if the setup was measured on a carved board
   GrooveField depth_field, alpha_field;  ///< factors on material.depth_um and alpha, per scratch
-  Crossings crossings = Crossings::add;  ///< crossing rule: the surface that remains where grooves cross
+  Crossings crossings = Crossings::add;  ///< crossing rule: the remaining surface at crossings
   /// Groove-to-groove variation of roughness and depth in addition to their fields: standard deviations of logarithms.
   Scatter alpha_scatter, depth_scatter;
   Sensor sensor;
@@ -121,7 +121,7 @@ const Verdict* find_verdict(const Bench& bench, const std::string& parameter);
 Lens lens_of(const Bench& bench, const View& view);
 
 /// The view of that name. `where` appears in the message. Throws Error for an unknown name, with a list of all names,
-/// and for a view that is not aimed yet.
+/// and for an unaimed view.
 const View& find_view(const Bench& bench, std::string_view name, std::string_view where);
 
 /// The light of that name. Names joined by kBesides ("sun + room") give several lights at once: the first one with the

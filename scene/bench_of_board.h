@@ -1,10 +1,10 @@
-// burin/scene/bench_of_board.h - one value for each number that board.json and bench.json share: roughness and depth of
+// burin/scene/bench_of_board.h - one value for each number in both board.json and bench.json: roughness and depth of
 // the grooves, roughness and reflectance of the face, the tool's width.
 //
-// Before the first measurement, board.json holds these numbers and a nominal bench.json may omit them. A nominal
-// bench.json that contradicts board.json is an error; the message names both files. A measured bench.json holds the
-// measured numbers and a copy of board.json's numbers of that time (`told`). A later change of board.json is an error
-// too, because nobody measured the machine's result for the new numbers. Numbers that photos could not determine follow
+// Before the first measurement, board.json holds these numbers and a nominal bench.json may omit them. A contradiction
+// between a nominal bench.json and board.json is an error; the message names both files. A measured bench.json holds
+// the measured numbers and a copy of board.json's numbers at measurement time (`told`). A later change of board.json is
+// an error too, because nobody measured the machine's result for the new numbers. Undetermined numbers follow
 // board.json, unless the photos refute the prior (Cause::Kind::believed_refuted).
 #pragma once
 
@@ -16,7 +16,7 @@
 namespace burin {
 
 /// Reads a bench.json for one board. Throws Error as read_bench() does, and for contradictions, with both files, fields
-/// and values. A note in `findings` lists each unmeasured number that follows board.json.
+/// and values. A note in `findings` lists each unmeasured number from board.json.
 Bench read_bench_of(const Board& board, const std::filesystem::path& board_file,
                     const std::filesystem::path& bench_file);
 
@@ -24,10 +24,10 @@ Bench read_bench_of(const Board& board, const std::filesystem::path& board_file,
 void settle_material(Bench& bench, const std::filesystem::path& bench_file, const Board& board,
                      const std::filesystem::path& board_file);
 
-/// Aims each view that has only an eye at the board's middle. The other functions here do it as well.
+/// Aims each view with only an eye at the board's middle. The other functions here do it as well.
 void aim_views(Bench& bench, const Board& board);
 
-/// Copies the board's numbers into the fields that the setup omits, without comparison. Serves to restore a prior.
+/// Copies the board's numbers into the setup's missing fields, without comparison. Serves to restore a prior.
 void fill_material(Bench& bench, const Board& board);
 
 // Checks that a camera sees a board and that a light reaches it. Numbers that are valid one by one may still show

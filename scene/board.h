@@ -59,9 +59,10 @@ struct Board {
   /// Unevenness of the face on the machine: its highest minus its lowest place over the carve area, um. A person
   /// measured or estimated it. Nothing: unknown.
   std::optional<double> flatness_um;
-  SaidMaterial said;           ///< fields present in the file that this was read from
-  std::filesystem::path mesh;  ///< optional OBJ with uv for a board that is neither flat nor bowed; empty if none
-  std::optional<Bend> bend;    ///< of a sheet that is bent to a cylinder after carving; not with a mesh
+  SaidMaterial said;  ///< fields present in the source file
+  /// optional OBJ with uv for a board that is neither flat nor bowed; empty if none
+  std::filesystem::path mesh;
+  std::optional<Bend> bend;  ///< of a sheet bent to a cylinder after carving; not with a mesh
 };
 
 /// The four corners of a tag on the board, in AprilTag's order for an upright tag:

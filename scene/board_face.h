@@ -61,7 +61,7 @@ FootprintGrid board_grid(const Eigen::Vector2d& min_mm, const Eigen::Vector2d& m
 std::vector<std::uint8_t> hidden_pixels(const FootprintGrid& grid, const BoardFace& face,
                                         const Eigen::Vector3d& from_mm);
 
-/// 1 for each pixel that the face hides from the eye or from the lamp. Empty for a face that hides nothing.
+/// 1 for each pixel hidden by the face from the eye or the lamp. Empty for a face without self-occlusion.
 std::vector<std::uint8_t> hidden_on_the_way(const FootprintGrid& grid, const BoardFace& face,
                                             const Eigen::Vector3d& eye_mm, const Eigen::Vector3d& lamp_mm);
 

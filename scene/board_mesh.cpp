@@ -219,7 +219,7 @@ Hit intersect(RTCScene scene, const Eigen::Vector3d& origin, const Eigen::Vector
   return {query.hit.geomID, query.hit.primID};
 }
 
-/// Normals of each triangle's corners: the area-weighted mean of the face normals at that vertex.
+/// Normals of each triangle's corners: the area-weighted mean of the face normals at the vertex.
 std::vector<std::array<Eigen::Vector3d, 3>> smooth_normals(const TriangleMesh& mesh) {
   std::vector<Eigen::Vector3d> at_vertex(mesh.position_mm.size(), Eigen::Vector3d::Zero());
   for (const auto& t : mesh.triangle) {
@@ -447,7 +447,7 @@ bool BoardMesh::hidden_from(const Eigen::Vector3d& from_mm, const Eigen::Vector3
 
 namespace {
 
-/// Sets centers and normals from corners. Pixels with an undefined center, or one that `hidden` rejects, lose their
+/// Sets centers and normals from corners. Pixels with an undefined center, or one rejected by `hidden`, lose their
 /// corners.
 template <class Hidden>
 void fill_centers(const BoardMesh& mesh, FootprintGrid& grid, const Hidden& hidden) {

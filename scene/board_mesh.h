@@ -35,16 +35,16 @@ struct TriangleMesh {
 
 /// Reads v, vt, vn and f of a Wavefront OBJ, mm. Polygons become fans of triangles. The reader skips faces without
 /// area, groups, materials, lines and points. uv (normals) are empty if any face lacks them. Throws Error with file and
-/// line for a number that is not finite, an index out of range or a face with fewer than three corners. Throws Error
-/// for a missing file and for a file without a face of positive area.
+/// line for a non-finite number, an index out of range or a face with fewer than three corners. Throws Error for a
+/// missing file and for a file without a face of positive area.
 TriangleMesh read_obj(const std::filesystem::path& file);
 
 /// A face and its occluders, ready for rays.
 class BoardMesh {
  public:
   /// `name` is the file in messages. Throws Error for a face without uv, with uv without area, with uv that run
-  /// clockwise seen from the front, or with uv that cover a place of the board twice (a fold). Throws Error for numbers
-  /// that are not finite and for a size that is not positive.
+  /// clockwise seen from the front, or with uv that cover a place of the board twice (a fold). Throws Error for
+  /// non-finite numbers and for a non-positive size.
   BoardMesh(const TriangleMesh& face, const Eigen::Vector2d& size_mm, const std::string& name,
             std::span<const TriangleMesh> occluders = {});
   ~BoardMesh();

@@ -23,7 +23,7 @@ Vector2d last_end(const Scratches& s, std::size_t i) { return {s.x1_mm[i], s.y1_
 
 double or_shared(const std::vector<double>& own, std::size_t i, double shared) { return own.empty() ? shared : own[i]; }
 
-// Carved end of a commanded one, and commanded end for a desired one. The direction is that of the commanded or desired
+// Carved end of a commanded one, and commanded end for a desired one. The direction follows the commanded or desired
 // line, because lines hardly rotate.
 Vector2d carved_end(const Bench& bench, const Vector2d& told, const Vector2d& way) {
   const Vector2d p = bench.machine_errors.none() ? told : displaced(bench.machine_errors, told, way);
@@ -92,7 +92,7 @@ struct GrooveParts {
   }
 };
 
-// Splits grooves that uneven screws bend.
+// Splits grooves bent by uneven screws.
 GrooveParts bent_grooves(const Scratches& placed, const Scratches& told, const Bench& bench) {
   GrooveParts out;
   for (std::size_t i = 0; i < placed.size(); ++i) {

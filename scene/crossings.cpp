@@ -166,7 +166,7 @@ using Reaches = std::array<Reach, kMostCrossingSteps>;  // by level
 struct Change {
   double at_mm;
   bool ends;
-  int level;  // steps that remain between the two
+  int level;  // remaining steps between the two
   PieceEnd::Boundary boundary;
   std::uint32_t cutter;
   Reach reach;

@@ -41,7 +41,7 @@ struct PieceEnd {
   Boundary boundary = Boundary::own_end;
   std::uint32_t cutter = 0;  ///< the row of the groove that cuts it
   /// Distance of the cutting line from the middle of that groove, um, and its change per um of additional depth of this
-  /// groove and of that one.
+  /// groove and of the other.
   double reach_um = 0, reach_by_depth = 0, reach_by_cutter_depth = 0;
 };
 
@@ -68,8 +68,8 @@ struct Lane {
 };
 
 /// Remaining parts of each groove: for every lane and every cell along the groove, the visible fraction of its length.
-/// Pieces are equally wide to the left and right. Lanes are cut at their own places: a groove that crosses another
-/// obliquely removes one side earlier.
+/// Pieces are equally wide to the left and right. Lanes are cut at their own places: an oblique crossing removes one
+/// side earlier.
 struct VisibleLanes {
   std::vector<Lane> lanes;         ///< of each groove, from left to right, burrs last
   std::vector<std::size_t> first;  ///< first cell of each groove, and one more entry; a groove's cells are equally long

@@ -25,7 +25,7 @@ struct PanoramaFrame {
 struct Panorama {
   Image radiance;                                                 ///< 3 channels, none negative
   Eigen::Matrix3d R_picture_board = Eigen::Matrix3d::Identity();  ///< to the frame of rows and columns
-  bool turns_right = false;                                       ///< columns run clockwise about that frame's z
+  bool turns_right = false;                                       ///< columns run clockwise about this frame's z
 
   /// Direction (board, unit) of a place (column, row) of the picture, in pixels: the center of the first pixel is at
   /// 0.5.
@@ -58,15 +58,15 @@ Light sun_light(const Eigen::Vector3d& direction, const Eigen::Vector3d& irradia
 /// An environment map as a light. Its position_mm is in the direction of most of the light above the face.
 Light surroundings_light(std::shared_ptr<const Panorama> panorama, const Eigen::Vector3d& factor = {1, 1, 1});
 
-/// Makes a panorama from a picture in memory. Throws Error with `where` for values that are negative or not finite, for
-/// a picture that is not twice as wide as high (within a pixel), and for a number of channels other than 1 and 3.
-/// Throws Error for a frame without directions and for a picture that is black above the face.
+/// Makes a panorama from a picture in memory. Throws Error with `where` for negative or non-finite values, for a
+/// picture that is not twice as wide as high (within a pixel), and for a number of channels other than 1 and 3. Throws
+/// Error for a frame without directions and for a picture that is black above the face.
 std::shared_ptr<const Panorama> make_panorama(Image radiance, const PanoramaFrame& frame, const std::string& where);
 
 /// The equivalent lamp of a sun: a point far away. docs/model.md 10.3.
 Light sun_as_lamp(const Light& sun);
 
-/// Increase of a squared roughness under a light of that angular diameter. docs/model.md 10.4.
+/// Increase of a squared roughness under a light of this angular diameter. docs/model.md 10.4.
 double widening(double diameter_deg);
 
 /// Irradiance of a plane with that normal, R G B, from the directions above it.

@@ -37,7 +37,7 @@ struct FootprintGrid {
   int height() const { return window.height; }
 };
 
-/// A grid that several views share: the views of a design have the same footprints on the board.
+/// A grid for several views: the views of a design have the same footprints on the board.
 inline std::shared_ptr<const FootprintGrid> share(FootprintGrid grid) {
   return std::make_shared<const FootprintGrid>(std::move(grid));
 }

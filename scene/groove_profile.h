@@ -21,7 +21,7 @@ struct GrooveProfile {
   double tip_radius_um = 0;
   /// Burrs: parabolas next to the groove, left and right of the carving direction.
   double burr_left_um = 0, burr_right_um = 0, burr_width_um = 10;
-  /// Roughness across the groove over that along it (Material::alpha).
+  /// Ratio of the roughnesses across the groove and along it (Material::alpha).
   double across = 1;
 
   bool has_burrs() const { return burr_left_um != 0 || burr_right_um != 0; }
@@ -49,7 +49,7 @@ struct ProfileBand {
 /// Half-width w at which the wall meets the face, without burrs: the profile's w(d), um.
 double half_width_um(const GrooveProfile& profile, double width_um, double depth_um);
 
-/// The depth of a groove with that half-width, um: the inverse of half_width_um().
+/// The depth of a groove with this half-width, um: the inverse of half_width_um().
 double depth_at_half_width_um(const GrooveProfile& profile, double width_um, double half_width_um);
 
 /// d(half_width_um) / d(depth_um).

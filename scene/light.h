@@ -22,7 +22,7 @@ struct LampSize {
   std::optional<Eigen::Vector2d> panel_sigma_mm;  ///< if the sides were measured
   std::optional<double> turn_sigma_deg;           ///< if the direction was measured
 
-  /// True for an area that photos determined; false for a person's.
+  /// True for an area from photos; false for a person's.
   bool is_measured() const { return disk_sigma_mm.has_value() || panel_sigma_mm.has_value(); }
   bool is_point() const { return !(disk_mm > 0) && !(panel_mm.maxCoeff() > 0); }
 };

@@ -1,5 +1,5 @@
-// burin/scene/line_cuts.h - straight lines over the board: the grid cells that they cross, and the intervals of them
-// that grooves cover. Frame: board, mm.
+// burin/scene/line_cuts.h - straight lines over the board: the grid cells that they cross, and their intervals under
+// grooves. Frame: board, mm.
 #pragma once
 
 #include <Eigen/Core>

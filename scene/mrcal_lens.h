@@ -13,8 +13,8 @@ namespace burin {
 /// in a build without mrcal, for every model.
 int mrcal_parameter_count(const std::string& model, const std::string& where);
 
-/// project() and unproject() of burin/scene/lens.h, for intrinsics that were checked. mrcal_unproject() may return any
-/// value if the model has no inverse there.
+/// project() and unproject() of burin/scene/lens.h, for checked intrinsics. mrcal_unproject() may return any value if
+/// the model has no inverse there.
 void mrcal_project(const std::string& model, const std::vector<double>& intrinsics,
                    std::span<const Eigen::Vector3d> p_camera, std::span<Eigen::Vector2d> q_px,
                    std::vector<Eigen::Matrix<double, 2, 3, Eigen::RowMajor>>* dq_dp,

@@ -23,7 +23,7 @@ inline constexpr const char* kAmbient = "ambient";
 inline constexpr const char* kVignette = "sensor.vignette";
 inline constexpr const char* kBlur = "sensor.psf_sigma_px";
 inline constexpr const char* kStray = "stray_light";   ///< the direction of an unmodeled light
-inline constexpr const char* kGlare = "sensor.glare";  ///< the fraction of light that veiling glare scatters
+inline constexpr const char* kGlare = "sensor.glare";  ///< the fraction of light in veiling glare
 
 /// The pose of one view: "pose.VIEW".
 std::string pose(const std::string& view);

@@ -57,8 +57,7 @@ struct Sharpening {
 };
 
 /// Inverts an unsharp mask: solves s + amount (s - G s) = stored for the mean of the channels and moves all channels
-/// alike. Exact except for values that were clipped after sharpening. `stored` has 1 or 3 channels and is changed in
-/// place.
+/// alike. Exact except for values clipped after sharpening. `stored` has 1 or 3 channels and is changed in place.
 void unsharpened(const Sharpening& sharpening, Image& stored);
 
 /// Replaces every pixel that did not measure green by the mean of its two to four neighbors that did, in all channels

@@ -34,7 +34,7 @@ constexpr std::array<Column, 8> kColumns{
      {"alpha", &Scratches::alpha, false, true, 1e9},
      {"carved", &Scratches::carved, false, false, 1e9}}};
 
-/// All columns, including the one that is not in files.
+/// All columns, including the one outside files.
 constexpr std::array<std::vector<double> Scratches::*, kColumns.size() + 1> all_columns() {
   std::array<std::vector<double> Scratches::*, kColumns.size() + 1> out{};
   for (std::size_t i = 0; i < kColumns.size(); ++i) out[i] = kColumns[i].values;

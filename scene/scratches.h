@@ -15,10 +15,10 @@ namespace burin {
 struct Scratches {
   std::vector<double> x0_mm, y0_mm, x1_mm, y1_mm;
   std::vector<double> width_um, depth_um, alpha;
-  /// 1 for a scratch that is in the metal already and stays fixed; 0 for a future one. Empty: nothing is carved. It is
-  /// a column of doubles like the others, so loops over all columns need no special case.
+  /// 1 for a scratch already in the metal, which stays fixed; 0 for a future one. Empty: nothing is carved. It is a
+  /// column of doubles like the others, so loops over all columns need no special case.
   std::vector<double> carved = {};
-  /// Fraction of the groove's half-width that crossing grooves leave. Below 1, they also remove its burrs
+  /// Remaining fraction of the groove's half-width after crossings. Below 1, they also remove its burrs
   /// (burin/scene/crossings.h). Empty: all of it. Not in files.
   std::vector<double> left = {};
 
@@ -29,8 +29,8 @@ struct Scratches {
   bool is_narrowed(std::size_t i) const { return !left.empty() && left[i] < 1; }
 };
 
-/// Reads `scratches.csv`. Throws Error with the line for a missing column, a value that is not a finite number, a
-/// scratch shorter than a nanometer, a width, depth or alpha that is not positive, or a `carved` other than 0 or 1.
+/// Reads `scratches.csv`. Throws Error with the line for a missing column and a non-finite value. Throws it also for a
+/// scratch shorter than a nanometer, a non-positive width, depth or alpha, and a `carved` other than 0 or 1.
 Scratches read_scratches(const std::filesystem::path& file);
 
 /// Writes `scratches.csv` atomically, with a resolution of 1e-5 mm.

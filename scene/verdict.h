@@ -37,10 +37,10 @@ struct Cause {
     poses_by_halves,      ///< views with contradicting halves of tags; all views
     cutoff_seen,          ///< half vectors that lean slightly less, and slightly more, than the steepest wall
     cutoff_not_seen,      ///< as for cutoff_seen, if one of them is too small
-    believed_refuted,     ///< prior of the depth that the photos contradict, um
+    believed_refuted,     ///< prior of the depth, contradicted by the photos, um
     field_chosen,         ///< linear, quadratic, wear: 1 if depth varies in this way
     bare_lamp,            ///< a spotlight fits paper and face no better
-    shines_as_a_plane,    ///< assumed: the exponent, and the assumed error that was tried
+    shines_as_a_plane,    ///< assumed: the exponent, and its assumed error
     no_photo_under_lamp,  ///< no photo was taken under this lamp
     no_paper,             ///< no paper or plain face can show the lamp's place
     paper_and_face,       ///< from these alone, without scratches
@@ -72,7 +72,7 @@ struct Verdict {
   std::optional<NextPhoto> next_photo{};  ///< for a number that is not determined
 
   bool determined() const { return degree == Degree::determined; }
-  /// True for a number that is at least weakly determined, or given.
+  /// True for an at least weakly determined or given number.
   bool known() const { return degree != Degree::not_determined; }
 };
 

@@ -28,7 +28,7 @@ std::size_t character_at(std::string_view text, std::size_t at) {
   return length;
 }
 
-// Characters that are invisible or turn the writing direction: they could disguise a file's name as another.
+// Invisible characters and marks of the writing direction could disguise a file's name as another.
 bool is_invisible(std::string_view c) {
   if (c.size() == 2) return c[0] == '\xC2' && static_cast<unsigned char>(c[1]) < 0xA1;  // controls, no-break space
   if (c.size() != 3 || c[0] != '\xE2') return c == "\xE3\x80\x80" || c == "\xEF\xBB\xBF";

@@ -13,9 +13,9 @@ namespace burin {
 /// names may become one: see distinct_file_names().
 std::string file_name_of(std::string_view name);
 
-/// One file name per name, all different even on file systems that ignore case (vfat, macOS): a second "a_b" becomes
-/// "a_b-2". They also differ with each of `endings` appended: a view "left" that writes left.png and left-start.png
-/// reserves both names, so a view "left-start" gets another.
+/// One file name per name, all different even if the file system ignores case (vfat, macOS): a second "a_b" becomes
+/// "a_b-2". They also differ with each of `endings` appended: a view "left" with left.png and left-start.png reserves
+/// both names, so a view "left-start" gets another.
 std::vector<std::string> distinct_file_names(const std::vector<std::string>& names,
                                              const std::vector<std::string>& endings = {});
 

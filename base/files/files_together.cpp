@@ -110,7 +110,7 @@ std::optional<std::vector<Move>> moves_of(const std::string& text, const fs::pat
   return moves;
 }
 
-// The inode number of the file or link with that name; 0: none.
+// The inode number of the file or link of this name; 0: none.
 ino_t inode_of(const fs::path& file) {
   struct stat found {};
   return ::lstat(file.c_str(), &found) == 0 && !S_ISDIR(found.st_mode) ? found.st_ino : 0;
@@ -140,7 +140,7 @@ int move_on(const Move& m, const fs::path& folder) {
   return renamed(folder / m.part, file);
 }
 
-// move_on() for a change that was interrupted at any point.
+// move_on() for a change interrupted at any point.
 int complete(const Move& m, const fs::path& folder) {
   const fs::path file = folder / m.file;
   if (!m.part.empty()) return is_there(folder / m.part) ? renamed(folder / m.part, file) : 0;
@@ -193,7 +193,7 @@ std::string count_of(const std::vector<Move>& moves) { return counted(moves.size
 // unchanged.
 bool settle_journal(const fs::path& folder, const char* name, const fs::path& wanted) {
   const fs::path journal = folder / name;
-  // A link or a FIFO with that name is not a journal of Burin.
+  // A link or a FIFO of this name is not a journal of Burin.
   const Descriptor file(::open(journal.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
   struct stat found {};
   if (!file) {
@@ -216,7 +216,7 @@ bool settle_journal(const fs::path& folder, const char* name, const fs::path& wa
   if (!is_at(file.number(), journal)) return true;  // the change has ended
   const auto moves = moves_of(text_in(file.number()), folder);
   if (!wanted.empty() && !may_change_in(folder, wanted)) {
-    // Burin may not settle this journal, but the files that it names cannot be trusted.
+    // Burin may not settle this journal, but its files cannot be trusted.
     const auto is_wanted = [&](const Move& m) { return key_of(folder / m.file) == key_of(wanted); };
     if (moves && std::any_of(moves->begin(), moves->end(), is_wanted))
       fail(wanted.string(), "belongs to a change of several files that was cut off in " + folder.string(),
@@ -245,7 +245,7 @@ bool settle_journal(const fs::path& folder, const char* name, const fs::path& wa
   return true;
 }
 
-// The common folder of all files, at most two levels above each, so that their readers find the journal.
+// The common folder of all files, at most two levels above each, because readers search no further for a journal.
 fs::path common_folder(const std::vector<FilesTogether::Item>& items) {
   std::error_code error;
   fs::path common;
@@ -348,7 +348,7 @@ void FilesTogether::put() {
   if (near && ::access(common.c_str(), W_OK | X_OK) == 0) {
     put_with_journal(items_, common);
   } else {
-    // Places so far apart have no common folder that readers search: they change one after the other.
+    // Places so far apart have no common folder within the readers' search: they change one after the other.
     for (Item& item : items_) {
       std::vector<Item> one{item};
       put_with_journal(one, fs::canonical(item.place.folder()));

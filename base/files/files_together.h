@@ -6,8 +6,8 @@
 // there finds the journal and completes the change (settle_changes). Nobody ever reads a mixture of old and new files.
 //
 // A journal may come with a folder from a stranger. It therefore acts only within named folders or their project
-// (burin/base/files/named_paths.h). It acts only on the files that were written for it on this disk; it contains their
-// inode numbers. report_settled_changes() registers a callback for such changes.
+// (burin/base/files/named_paths.h). It acts only on its own files on this disk, by their inode numbers.
+// report_settled_changes() registers a callback for such changes.
 #pragma once
 
 #include <filesystem>
@@ -54,12 +54,12 @@ bool joins_change(const FilePlace& place, const std::filesystem::path& part);
 std::filesystem::path as_written(const std::filesystem::path& file);
 
 /// Completes or reverts a dead process's change in the file's folder or the two folders above it. Waits for a change in
-/// progress. Throws Error if this very file is part of a change that cannot be settled, or must not be: the files are
-/// then a mixture. Every reader and writer of the file calls it first. Returns false if it left a change of others
+/// progress. Throws Error if this very file is part of a change without a possible or permitted completion: the files
+/// are then a mixture. Every reader and writer of the file calls it first. Returns false if it left a change of others
 /// unsettled.
 bool settle_changes(const std::filesystem::path& file);
 
-/// Registers `report`, which receives a sentence about each change that settle_changes() completes or reverts.
+/// Registers `report`, which receives a sentence per change completed or reverted by settle_changes().
 void report_settled_changes(std::function<void(const std::string&)> report);
 
 }  // namespace burin

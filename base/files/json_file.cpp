@@ -73,14 +73,14 @@ std::string without_prefix(const std::string& message) {
   return end == std::string::npos ? message : message.substr(end + 2);
 }
 
-/// Callers that know a text's purpose check line breaks and tabs (JsonObject::text rejects them).
+/// Line breaks and tabs pass, because only callers know a text's purpose (JsonObject::text rejects them).
 std::string without_breaks(std::string text) {
   std::erase_if(text, [](char c) { return c == '\n' || c == '\r' || c == '\t'; });
   return text;
 }
 
-/// Checks beyond the grammar. Duplicate keys are errors, because parsers silently keep one of them. Control characters
-/// that terminals execute are errors (printable.h). So is nesting beyond the limit.
+/// Checks beyond the grammar. Duplicate keys are errors, because parsers silently keep one of them. So are control
+/// characters for terminals (printable.h). Nesting has a limit.
 struct ContentCheck {
   std::vector<std::set<std::string>> open_objects;
   std::string duplicate, unprintable;
@@ -110,7 +110,7 @@ JsonObject::JsonObject(const Json& json, std::string where) : json_(&json), wher
 }
 
 void JsonObject::fail_field(const std::string& key, const std::string& what, const std::string& remedy) const {
-  // "board.json" + "tags" is "board.json: tags"; below that, fields are joined by dots.
+  // "board.json" + "tags" is "board.json: tags"; deeper fields are joined by dots.
   fail(where_ + (where_.find(": ") == std::string::npos ? ": " : ".") + key, what, remedy);
 }
 

@@ -16,7 +16,7 @@ namespace burin {
 using Json = nlohmann::ordered_json;
 
 /// One JSON object during reading, with its file and its path in the file. It returns typed fields and records the
-/// requested keys, so that finish() can report unknown ones. Every error names file, field and remedy.
+/// requested keys; finish() reports unknown ones. Every error names file, field and remedy.
 class JsonObject {
  public:
   JsonObject(const Json& json,
@@ -45,7 +45,7 @@ class JsonObject {
   const Json& raw(const std::string& key);                  ///< any value; throws if missing
   std::vector<std::string> keys() const;                    ///< in the file's order, for objects used as maps
 
-  /// Throws with the first key that nobody requested, and with all known keys.
+  /// Throws with the first unrequested key, and with all known keys.
   void finish() const;
 
   /// Throws Error about one field: "board.json: tags.size_mm: what; remedy".
@@ -71,14 +71,15 @@ Json read_json(const std::filesystem::path& file, const std::string& format, int
 /// The whole content of a file. Throws Error if it is missing, a folder or unreadable.
 std::string read_text(const std::filesystem::path& file);
 
-/// Pretty-printed JSON, doubles with the necessary digits. Throws Error with `file`, its destination, for a number that
-/// is not finite or a text that is not UTF-8.
+/// Pretty-printed JSON, doubles with the necessary digits. Throws Error with `file`, its destination, for a non-finite
+/// number or a text in another encoding than UTF-8.
 std::string json_text(const Json& json, const std::filesystem::path& file);
 
 /// Writes json_text() (write_file).
 void write_json(const Json& json, const std::filesystem::path& file);
 
-/// Makes a folder and its parents for output. Throws Error with its name if that fails or if it is not writable.
+/// Makes a folder and its parents for output. Throws Error with its name if the call fails or the folder is not
+/// writable.
 void make_output_folder(const std::filesystem::path& folder);
 
 /// Converts a path in a JSON file, relative to the file's folder, into one that works from the working directory.

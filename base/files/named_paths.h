@@ -26,12 +26,12 @@ class NamedPaths {
   std::vector<std::filesystem::path> before_, outputs_before_;
 };
 
-/// Records a file that is read for its content, by its device and its inode number.
+/// Records a file read for its content, by its device and its inode number.
 void note_input(std::uintmax_t device, std::uintmax_t number);
 
 /// Throws Error if the output `file` (links resolved) is one of this command's inputs, or if the command line names it
 /// twice. The check covers values of output options (--out, --sent, --animate) and files next to them or within them,
-/// under any name. A file that this command has written itself is permitted.
+/// under any name. A file written by this command itself is permitted.
 void fail_if_input(const std::filesystem::path& named, const std::filesystem::path& file);
 
 /// Permits this command to write `file` again: it has written it, or its task is to update it.
@@ -43,11 +43,11 @@ void note_written(const std::filesystem::path& named);
 /// Records that a folder with files of this command was moved.
 void note_moved(const std::filesystem::path& from, const std::filesystem::path& to);
 
-/// The existing files that this command has written, under the names that it used, in their order.
+/// The existing files written by this command, under the names used then, in their order.
 std::vector<std::filesystem::path> written_files();
 
 /// Throws Error with link and target if a symbolic link leads `named`, an output file or folder, out of the innermost
-/// named folder. `real` is its target without links. Paths that a person named themselves are always permitted.
+/// named folder. `real` is its target without links. Paths named by a person are always permitted.
 void fail_if_led_outside(const std::filesystem::path& named, const std::filesystem::path& real);
 
 /// True if a journal or link in `folder` may change files there when the program reads or writes `file`. `folder`

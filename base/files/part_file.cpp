@@ -26,10 +26,10 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::string_view kMark = ".part-";
-constexpr std::size_t kLongestName = 255;  // bytes, on every file system that Linux writes to
+constexpr std::size_t kLongestName = 255;  // bytes, on every writable file system of Linux
 
-// Part files that this process is writing. Process numbers repeat (in a container, nearly always the same one): a part
-// file with this process's number that is not listed here belongs to a dead process.
+// Part files in progress in this process. Process numbers repeat (in a container, nearly always the same one): an
+// unlisted part file with this process's number belongs to a dead process.
 struct Ours {
   std::mutex mutex;
   std::set<std::string> parts, cleared_folders;
@@ -54,7 +54,7 @@ class Writing {
     const mode_t mode = place.there ? place.mode : mode_if_new;
     const auto named_and_opened = making();
     do {
-      if (!part_.empty()) forget_part(part_);  // a dead process with this number left that name
+      if (!part_.empty()) forget_part(part_);  // a dead process with this number left this name
       part_ = new_part_name(place);
       file_ = Descriptor(::open(part_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, mode));
     } while (!file_ && errno == EEXIST);
@@ -77,8 +77,7 @@ class Writing {
 
   fs::path end(bool durable) {
     if (place_.there) {
-      // The new file keeps its owner if another user edits it. If the system forbids that, the editor becomes the
-      // owner.
+      // The new file keeps its owner if another user edits it. If the system forbids it, the editor becomes the owner.
       struct stat now {};
       if (::fstat(file_.number(), &now) == 0 && (now.st_uid != place_.user || now.st_gid != place_.group) &&
           ::fchown(file_.number(), place_.user, place_.group) != 0 &&

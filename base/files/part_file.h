@@ -34,13 +34,13 @@ std::filesystem::path write_part(const FilePlace& place, std::string_view bytes,
 /// Copies a file into the part file of a place, block by block; otherwise like write_part.
 std::filesystem::path copy_part(const std::filesystem::path& from, const FilePlace& place);
 
-/// Syncs a part file that other code has filled to disk. Throws Error with the place.
+/// Syncs a part file filled by other code to disk. Throws Error with the place.
 void sync_part(const FilePlace& place, const std::filesystem::path& part);
 
-/// A new part file's name for that place; the process owns it until forget_part().
+/// A new part file's name for this place; the process owns it until forget_part().
 std::filesystem::path new_part_name(const FilePlace& place);
 
-/// Ends this process's ownership of a part file that is in its place or removed.
+/// Ends this process's ownership of a part file in its place or removed.
 void forget_part(const std::filesystem::path& part);
 
 /// Removes the part file; ignores a missing one.
@@ -59,7 +59,7 @@ void clear_leftovers(const std::filesystem::path& folder);
 void clear_leftovers_once(const std::filesystem::path& folder);
 
 /// Syncs a folder's names to disk. On a file system without this function, a power failure leaves the old or the new
-/// file, each complete; that is no error.
+/// file, each complete; this is no error.
 void sync_folder(const std::filesystem::path& folder);
 
 }  // namespace burin

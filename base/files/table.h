@@ -31,30 +31,30 @@ enum class TableStyle {
 /// mark, if it is so in the whole file. Ambiguous text is an error.
 class TableReader {
  public:
-  /// Throws Error for an unreadable file and, in CSV, for a missing required column or a column that appears twice.
-  /// `remedy` describes the correct first line. An empty file has no columns and no rows.
+  /// Throws Error for an unreadable file and, in CSV, for a missing required column or a duplicate column. `remedy`
+  /// describes the correct first line. An empty file has no columns and no rows.
   TableReader(std::filesystem::path file, TableStyle style, std::vector<std::string> required, std::string remedy);
 
   const std::vector<std::string>& columns() const { return columns_; }
   std::optional<std::size_t> find(std::string_view column) const;
 
   /// Goes to the next row; returns false after the last. Throws Error for a CSV row with too few or too many values,
-  /// and for a vnlog row without an earlier line that names the required columns.
+  /// and for a vnlog row without an earlier header with the required columns.
   bool next();
 
   std::string where() const;  ///< "FILE:12", the line of this row
   /// Approximate number of remaining rows, the current one included: for reserving memory.
   std::size_t rows_left() const;
 
-  /// A value of this row. Throws Error for a vnlog row that ends before it.
+  /// A value of this row. Throws Error for a shorter vnlog row.
   std::string_view text(std::size_t column) const;
   /// True if the row has a value there (vnlog).
   bool has(std::size_t column) const { return column < values_.size() && values_[column] != "-"; }
-  /// Throws Error with the column for text that is no finite number.
+  /// Throws Error with the column for text other than a finite number.
   double number(std::size_t column) const;
-  /// Also throws for a number that is not whole or out of int's range.
+  /// Also throws for a fraction and for a number out of int's range.
   int whole(std::size_t column) const;
-  /// Also throws for a number that is not above 0.
+  /// Also throws for a number not above 0.
   double positive(std::size_t column) const;
   /// Throws Error about this row's column; `what` describes the fault.
   [[noreturn]] void fail_at(std::size_t column, const std::string& what, const std::string& remedy) const;

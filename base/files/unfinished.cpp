@@ -17,7 +17,7 @@ struct Names {
 };
 
 Names& names() {
-  // Never destroyed: a signal may stop a process that is already exiting.
+  // Never destroyed: a signal may stop an exiting process.
   static Names& all = *new Names;
   return all;
 }

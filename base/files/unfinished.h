@@ -25,7 +25,7 @@ std::shared_lock<std::shared_mutex> making();
 /// Lock while a result is put in its place: abandon_unfinished() waits for it.
 std::unique_lock<std::recursive_mutex> finishing();
 
-/// For a process that exits: removes all unfinished files. Afterwards no other thread gets making() or finishing(), so
+/// For an exiting process: removes all unfinished files. Afterwards no other thread gets making() or finishing(), so
 /// nothing new appears and no partly removed result is put in place. Ignores files that cannot be removed.
 void abandon_unfinished();
 

@@ -29,7 +29,7 @@ constexpr std::array<Held, 3> kHeld{
       "mirror-polished "
       "face no photo may"}}};
 
-// Reports spotlights whose axis misses the board by diagonals, or that are narrower than any lamp.
+// Reports spotlights whose axis misses the board by diagonals, or whose beam is narrower than any lamp's.
 void judge_spots(const Problem& data, const State& state, Bench& bench, std::vector<Finding>& out) {
   for (std::size_t light = 0; light < state.lamps.size(); ++light) {
     if (!data.is_spot[light] || data.spot_held[light]) continue;

@@ -10,7 +10,7 @@
 
 namespace burin {
 
-/// True if the fit left that unknown, a logarithm of all photos, on a bound.
+/// True if the fit left this unknown, a logarithm of all photos, on a bound.
 bool is_on_bound(const Problem& data, const State& state, int unknown);
 
 /// Reports roughness, depth, the face's roughness and spotlights that ended on a bound, with the remedy. In `bench`'s

@@ -38,8 +38,8 @@ Solution solve_with(const MatrixXd& design, const VectorXd& y, const MatrixXd& c
   return out;
 }
 
-// Average over all scatters that the samples permit, with an estimate of the scatter. Few repeats leave it uncertain,
-// and this uncertainty belongs in every sigma.
+// Average over all plausible scatters, with an estimate of the scatter. Few repeats leave it uncertain, and this
+// uncertainty belongs in every sigma.
 Solution averaged(const MatrixXd& design, const VectorXd& y, const MatrixXd& covariance, Index fans,
                   Estimate& scatter) {
   constexpr int kSteps = 160;

@@ -18,7 +18,7 @@ struct FanSample {
   Eigen::Vector2d place{0, 0};  ///< from -1/2 to 1/2 over the coupon
 };
 
-/// An estimate that may be unknown.
+/// An estimate, possibly unknown.
 struct Estimate {
   double value = 0, sigma = 0;
   bool known = false;

@@ -25,7 +25,7 @@ struct GrooveAgreement {
 /// One entry per photo of the problem, at `state`.
 std::vector<GrooveAgreement> groove_agreements(const Problem& data, const State& state);
 
-/// Indices of photos that show other grooves: single ones among good ones, or all.
+/// Indices of photos with other grooves: single ones among good ones, or all.
 std::vector<std::size_t> photos_of_other_grooves(const std::vector<GrooveAgreement>& agreements);
 
 }  // namespace burin

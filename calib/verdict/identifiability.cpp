@@ -284,7 +284,7 @@ void judge_tags(GeometryJudge& j) {
 }
 
 void judge_bow(GeometryJudge& j) {
-  // For a bent sheet, the bow's first two numbers describe its bend: the sigma is that of its rim.
+  // For a bent sheet, the bow's first two numbers describe its bend: the sigma belongs to its rim.
   const bool bent = j.geometry.bundle.surface.bend.has_value();
   const char* const name = bent ? parameter::kBend : parameter::kBow;
   const auto [rows, sigmas] = j.columns(j.equations.shared_at + 1, bent ? 2 : 3);

@@ -4,7 +4,7 @@
 // The status compares a parameter's sigma (from the covariance, with priors) with two limits: below the first it is
 // determined, below the second weakly, otherwise not. A test checks the sigma first: balanced halves of the photos
 // (burin/calib/verdict/half_samples.h) are solved separately, to first order. If they differ by more than chance allows
-// for that sigma (once in a thousand cases), the verdict reports it and the sigma grows until they agree. Poses are
+// for this sigma (once in a thousand cases), the verdict reports it and the sigma grows until they agree. Poses are
 // tested by halves of their tags. The depth of the grooves has an additional condition: half vectors on both sides of
 // the grooves' cut-off (docs/model.md 2.4). Frame: board, mm.
 #pragma once
@@ -33,8 +33,8 @@ Combinations judge_geometry(const BoardSolution& geometry, const Board& board, b
 
 /// Judges "alpha", "depth_um", "base_alpha", "machine.affine", "ambient", "sensor.vignette", "sensor.psf_sigma_px" and,
 /// for each lamp, "light.ID.position_mm", ".intensity", ".axis" and ".falloff_exponent". `bench` has the fitted values
-/// and their sigmas. The function removes sigmas of parameters that are not determined, and increases sigmas that
-/// halves contradict. Combinations are of the unknowns in the order of global_index().
+/// and their sigmas. The function removes sigmas of undetermined parameters, and increases sigmas that halves
+/// contradict. Combinations are of the unknowns in the order of global_index().
 Combinations judge_light(const Problem& data, const State& state, const Uncertainty& uncertainty, const Stage& stage,
                          Bench& bench);
 

@@ -25,7 +25,7 @@ CellGrid tiles_of(const Board& board) {
   return board_tiles(board, std::min(kTileMm, board.size_mm.minCoeff() / kFewestAcross));
 }
 
-// Properties that distinguish pixels apart from their light. Angles' tangents are of the half vector against the face.
+// Properties of pixels other than their light. Angles' tangents are of the half vector against the face.
 struct PixelGeometry {
   double across = 0, azimuth_deg = 0, highlight = 0, frame = 0;
 };

@@ -36,7 +36,7 @@ using BinEdges = std::array<std::array<double, kQuantityBins - 1>, kPixelQuantit
 /// Names of the tests, as in Misfit::test.
 const std::array<const char*, kPixelQuantities>& pixel_quantity_names();
 
-/// Edges that fill the bins equally with all photos' pixels, each weighted by its brightness over its expected error;
+/// Edges for equally filled bins over all photos' pixels, each weighted by its brightness over its expected error;
 /// fixed edges for directions.
 BinEdges bin_edges(const Problem& data, const State& state);
 

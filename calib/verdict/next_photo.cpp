@@ -142,7 +142,7 @@ WiderBench wider_bench(const Problem& data, const State& state, const Uncertaint
 }
 
 // Information of the existing photos over the unknowns of the wider setup. Unknowns without information get a small
-// one, so that they are unknown and not fixed.
+// one, because zero would mean fixed.
 Eigen::MatrixXd information_so_far(const Uncertainty& u, const WiderBench& wider) {
   const auto n = static_cast<Eigen::Index>(u.free.size()), wide = static_cast<Eigen::Index>(wider.free.size());
   Eigen::MatrixXd H = Eigen::MatrixXd::Zero(wide, wide);

@@ -1,5 +1,5 @@
-// burin/calib/verdict/next_photo.h - the most helpful additional photo for parameters that a session's photos do not
-// determine.
+// burin/calib/verdict/next_photo.h - the most helpful additional photo for parameters left undetermined by a session's
+// photos.
 //
 // Candidates (burin/calib/verdict/candidate_photo.h) have the camera on a hemisphere, under each lamp and under the
 // first lamp moved around the board. Each adds its information to the information of the existing photos. The
@@ -26,7 +26,7 @@ namespace burin {
 /// For lens, tags and bow: sets Verdict::next_photo of undetermined parameters in `judged`.
 void advise_geometry(const BoardSolution& geometry, const Board& board, const Combinations& judged, Bench& bench);
 
-/// True if a photo is informative enough, so that no lamp needs to move for a better one. `sigma_ratio`, the remaining
+/// True if a photo is informative enough; no lamp then needs to move for a better one. `sigma_ratio`, the remaining
 /// fraction of the parameter's sigma, is then at most two thirds. For a depth with an unseen cut-off, two such photos
 /// must show it: `half_vectors` and `half_vectors_now` count half vectors on each side, with the photo and without
 /// (otherwise 0).

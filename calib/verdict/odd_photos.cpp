@@ -15,7 +15,7 @@ namespace {
 // Views of clean setups differ by a factor of up to 1.8, of an amateur's setup by 1.2. A view with another lamp's
 // mirror image differs by a factor of four. Below kLeast, the model error hardly exceeds the camera's noise.
 constexpr double kStandsOut = 3, kLeast = 4;
-constexpr double kMostLogarithm = 1.5;  // a view that alone determines a number: known only within a factor of four
+constexpr double kMostLogarithm = 1.5;  // a number from a single view: known only within a factor of four
 
 // Residual of each part: its worst photo under any lamp; 0 if none of its pixels was used.
 std::vector<double> residuals_by_part(const std::vector<PhotoFit>& photos, const std::vector<std::size_t>& parts) {

@@ -10,7 +10,7 @@
 namespace burin {
 
 /// Adds to `uncertainty` a misfit for each view whose residuals, in units of the camera's noise, are several times the
-/// other views'. The shift of the estimates without that view joins the shifts. `photos` are in the problem's order
+/// other views'. The shift of the estimates without this view joins the shifts. `photos` are in the problem's order
 /// (Uncertainty::part_photo indexes them). Fewer than four views give no result.
 void add_odd_photos(const std::vector<PhotoFit>& photos, Uncertainty& uncertainty);
 

@@ -16,9 +16,8 @@ namespace burin {
 /// Covariances over all unknowns of a problem, in the order of global_index().
 struct Uncertainty {
   std::vector<Eigen::MatrixXd> covariances;  ///< several estimates, over all unknowns; fixed unknowns are 0
-  /// The priors' normal equations, and those of the data in parts that could have been taken alone (views: all photos
-  /// with one pose). With known geometry, all gradients add up to 0 at the optimum. For
-  /// burin/calib/verdict/half_samples.h.
+  /// The priors' normal equations, and the data's, in parts that could have been taken alone (views: all photos with
+  /// one pose). With known geometry, all gradients add up to 0 at the optimum. For burin/calib/verdict/half_samples.h.
   std::vector<bool> free;
   std::vector<std::size_t> part_photo;  ///< index of the part's first photo, whose lamp represents the part
   std::vector<Eigen::MatrixXd> part_information;

@@ -148,7 +148,7 @@ Affine2 machine_sigma(const Problem& data, const Uncertainty& uncertainty) {
   return sigma;
 }
 
-// Sigmas of effects that only some setups have.
+// Sigmas of effects in only some setups.
 void fill_effect_sigmas(const Uncertainty& uncertainty, const Stage& stage, Bench& bench) {
   const auto two = [&](int first) { return Eigen::Vector2d(uncertainty.sigma(first), uncertainty.sigma(first + 1)); };
   MachineErrors& errors = bench.machine_errors;
@@ -212,7 +212,7 @@ void put_stray_sigmas(const Problem& data, const State& state, const Uncertainty
   stray.intensity_sigma = stray.intensity * sigma[3];
 }
 
-// Sigmas of the numbers from put_state(); judge_light() increases those that halves of the photos contradict.
+// Sigmas of the numbers from put_state(); judge_light() increases sigmas contradicted by halves of the photos.
 void fill_sigmas(const Problem& data, const State& state, const Uncertainty& uncertainty, const Stage& stage,
                  Bench& bench) {
   bench.material_sigma.alpha = bench.material.alpha * uncertainty.sigma(unknown::log_alpha);
@@ -309,7 +309,7 @@ std::vector<std::string> tell_misfits(const Uncertainty& uncertainty, const Sess
   for (const std::string& name : touched)
     if (const auto verdict = bench.verdict.find(name); verdict != bench.verdict.end() && verdict->second.sigma)
       verdict->second.causes.push_back({Cause::Kind::model_misses, {most, count}, tests});
-  // Odd photos that all precede, or all follow, one moment are one finding.
+  // Odd photos form one finding if all precede, or all follow, one moment.
   std::vector<std::string> odd;
   for (const Misfit& m : bench.misfits)
     if (is_of_photo(m)) odd.push_back(m.test.substr(std::string_view("photo ").size()));

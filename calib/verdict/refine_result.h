@@ -32,8 +32,8 @@ std::vector<Finding> keep_colors(std::span<const Light> given, const std::set<st
 Combinations fill_bench(const Problem& data, const State& state, const Uncertainty& uncertainty, const Stage& stage,
                         const Session* session, Refinement& out);
 
-/// Resets parameters of grooves and face that the photos do not determine to board.json's prior, in `state` and
-/// `bench`. The verdict reports it: an optimizer's undetermined result carries no information. Refuted priors
+/// Resets undetermined parameters of grooves and face to board.json's prior, in `state` and `bench`. The verdict
+/// reports it: an optimizer's undetermined result carries no information. Refuted priors
 /// (Cause::Kind::believed_refuted) are exempt. Also records the board's commanded values.
 void keep_believed(const Board& board, State& state, Bench& bench);
 

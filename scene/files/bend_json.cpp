@@ -6,7 +6,7 @@ Bend read_bend(JsonObject json, const std::optional<Eigen::Vector2d>& size_mm) {
   Bend bend;
   bend.radius_mm = json.number("radius_mm");
   bend.axis_deg = json.number("axis_deg", 0);
-  // Without a size, only values that are invalid for every sheet are faults.
+  // Without a size, only values invalid for every sheet are faults.
   if (const auto fault = fault_of(bend, size_mm.value_or(Eigen::Vector2d(1e-6, 1e-6))))
     json.fail_field(fault->field, fault->what, fault->remedy);
   json.finish();

@@ -8,7 +8,7 @@
 
 namespace burin {
 
-/// Reads `{"radius_mm": 150, "axis_deg": 90}`. Throws Error for a bend that a sheet of that size (if known) excludes.
+/// Reads `{"radius_mm": 150, "axis_deg": 90}`. Throws Error for an impossible bend of a sheet of this size (if known).
 Bend read_bend(JsonObject json, const std::optional<Eigen::Vector2d>& size_mm);
 
 /// Reads the same keys as uncertainties, which are never negative.

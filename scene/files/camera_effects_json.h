@@ -7,7 +7,7 @@
 
 namespace burin {
 
-/// {offset, slope, bumps}, or {contrast, pivot} of an S-curve. Throws Error for a curve that is not monotonic.
+/// {offset, slope, bumps}, or {contrast, pivot} of an S-curve. Throws Error for a non-monotonic curve.
 Response read_response(JsonObject json);
 Json response_json(const Response& response);
 

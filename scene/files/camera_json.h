@@ -13,7 +13,7 @@ namespace burin {
 /// A camera's pose from a file. Frame: board, mm.
 struct SaidPose {
   Eigen::Isometry3d T_camera_board = Eigen::Isometry3d::Identity();
-  /// Set if the file gives only an eye. That camera looks at the board's middle, turned by this angle. T_camera_board
+  /// Set if the file gives only an eye. The camera looks at the board's middle, turned by this angle. T_camera_board
   /// has its center, but looks straight down.
   std::optional<double> roll_to_middle_deg;
 };

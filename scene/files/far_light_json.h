@@ -13,12 +13,12 @@ Eigen::Vector3d light_color(JsonObject& json, const std::string& key, const Eige
 /// True if an entry of "lights" is a distant light: it has a "sun" or a "surroundings".
 bool says_far_light(JsonObject& light);
 
-/// Reads all but the id into `light`, with the picture that it names (relative to `file`). Throws Error for both kinds
-/// at once, a lamp's position in addition to them, directions below the face, sizes out of range, surroundings without
-/// a frame, and for pictures as make_panorama() does.
+/// Reads all but the id into `light`, with its picture (relative to `file`). Throws Error for both kinds at once, a
+/// lamp's position in addition to them, directions below the face, sizes out of range, surroundings without a frame,
+/// and for pictures as make_panorama() does.
 void read_far_light(JsonObject& json, const std::filesystem::path& file, Light& light);
 
-/// Writes the keys that read_far_light() reads.
+/// Writes the keys of read_far_light().
 void put_far_light(const Light& light, const std::filesystem::path& file, Json& json);
 
 }  // namespace burin

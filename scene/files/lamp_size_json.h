@@ -7,9 +7,8 @@
 
 namespace burin {
 
-/// Reads the area of a lamp at `position_mm`. Throws Error for both a disk and a panel, and for a size that is not
-/// positive. A size as large as the distance from the board's corner is an error too: a few points cannot represent
-/// such a lamp.
+/// Reads the area of a lamp at `position_mm`. Throws Error for both a disk and a panel, and for a non-positive size. A
+/// size as large as the distance from the board's corner is an error too: a few points cannot represent such a lamp.
 LampSize read_lamp_size(JsonObject& light, const Eigen::Vector3d& position_mm);
 
 /// Writes nothing for a point lamp.

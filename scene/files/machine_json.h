@@ -13,7 +13,7 @@ namespace burin {
 /// y], "screw_phase_deg": [x, y]} with their sigmas.
 Json machine_json(const Eigen::Matrix<double, 2, 3>& affine, const MachineErrors& errors);
 
-/// Reads the key "affine"; returns `otherwise` if it is missing. Throws Error for a map that flattens the board.
+/// Reads the key "affine"; returns `otherwise` if it is missing. Throws Error for a singular map.
 Eigen::Matrix<double, 2, 3> read_machine_affine(JsonObject& json, const Eigen::Matrix<double, 2, 3>& otherwise);
 
 /// Reads backlash and screws. Throws Error for numbers that no machine has.

@@ -1,4 +1,4 @@
-// burin/scene/files/material_json.h - the fields of `material` that board.json and bench.json share.
+// burin/scene/files/material_json.h - the common fields of `material` in board.json and bench.json.
 // docs/file-formats.md. Include it in .cpp files only: it pulls in nlohmann-json.
 #pragma once
 
@@ -8,10 +8,10 @@
 namespace burin {
 
 /// Reads alpha, depth_um, base_alpha and f0; missing keys take Material's defaults. Throws Error for a roughness
-/// outside (0, 1], a depth that is not positive, or a reflectance outside [0, 1]. The caller calls finish().
+/// outside (0, 1], a non-positive depth, or a reflectance outside [0, 1]. The caller calls finish().
 Material read_material(JsonObject& json);
 
-/// The keys of read_material() that are present.
+/// The present keys of read_material().
 SaidMaterial said_material(const JsonObject& json);
 
 }  // namespace burin

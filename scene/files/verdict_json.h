@@ -13,8 +13,8 @@ Json verdict_json(const Verdict& verdict);
 /// Reads the facts of version 2 and ignores its sentences.
 Verdict read_verdict(JsonObject json);
 
-/// Reads version 1, which had "determined", "weakly" and a sentence. Cause::told keeps the sentence. Facts that version
-/// 1 lacks get the source `measured`.
+/// Reads version 1, which had "determined", "weakly" and a sentence. Cause::told keeps the sentence. The source of a
+/// number is `measured`, except for given ones.
 Verdict read_verdict_of_version_1(JsonObject json);
 
 }  // namespace burin
