@@ -1,5 +1,6 @@
 // burin/scene/bench.h - a setup, nominal or measured: lens, poses, lamps, material, bow and machine, with
-// uncertainties. Frame: board, mm. docs/file-formats.md, `bench.json`.
+// uncertainties.
+// Frame: board, mm. docs/file-formats.md, `bench.json`.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -97,7 +98,7 @@ struct Bench {
   std::optional<Bend> bend_sigma;
   PaperCoat paper;
   std::vector<Tag> tags;  ///< measured positions; empty: board.json's hold
-  /// affine machine calibration in board coordinates, from commanded to carved, mm
+  /// Affine machine calibration in board coordinates, from commanded to carved, mm
   Affine2 machine_affine = (Affine2() << 1, 0, 0, 0, 1, 0).finished();
   std::optional<Affine2> machine_affine_sigma;
   MachineErrors machine_errors;            ///< residual errors of the affine map: backlash, uneven screws

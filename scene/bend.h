@@ -1,8 +1,9 @@
 // burin/scene/bend.h - a sheet that is bent to a cylinder after carving. docs/model.md 1.3.
 //
 // A flat place is a position on the flat sheet, mm, as in scratches.csv and board.json. Bending keeps lengths on the
-// sheet, so each point of the metal keeps its flat place. Frame: board, mm; the sheet's middle keeps its place and
-// normal. The face is the part of the front that is visible from +z.
+// sheet, so each point of the metal keeps its flat place.
+// Frame: board, mm; the sheet's middle keeps its place and normal. The face is the part of the front that is visible
+// from +z.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,5 +1,6 @@
-// burin/scene/board.h - the board as made, or its prior: size, tags, tool, material. Frame: board (origin at the
-// lower-left corner of the face, x right, y up, z out of the metal), mm. docs/model.md 1 and docs/file-formats.md.
+// burin/scene/board.h - the board as made, or its prior: size, tags, tool, material.
+// Frame: board (origin at the lower-left corner of the face, x right, y up, z out of the metal), mm. docs/model.md 1
+// and docs/file-formats.md.
 #pragma once
 
 #include <Eigen/Core>
@@ -60,7 +61,7 @@ struct Board {
   /// measured or estimated it. Nothing: unknown.
   std::optional<double> flatness_um;
   SaidMaterial said;  ///< fields present in the source file
-  /// optional OBJ with uv for a board that is neither flat nor bowed; empty if none
+  /// Optional OBJ with uv for a board that is neither flat nor bowed; empty if none
   std::filesystem::path mesh;
   std::optional<Bend> bend;  ///< of a sheet bent to a cylinder after carving; not with a mesh
 };

@@ -1,5 +1,6 @@
 // burin/scene/board_face.h - the face of a board in a setup, of any shape: flat, bowed, bent to a cylinder, or a mesh
-// with uv. Frame: board, mm. Rendering, design and calibration all use this interface.
+// with uv.
+// Frame: board, mm. Rendering, design and calibration all use this interface.
 #pragma once
 
 #include <Eigen/Geometry>

@@ -1,5 +1,5 @@
-// burin/scene/carve.h - forward model from a design to the metal, and its backward pass. Frame: board, mm.
-// docs/model.md 7.
+// burin/scene/carve.h - forward model from a design to the metal, and its backward pass.
+// Frame: board, mm. docs/model.md 7.
 //
 // Scratches have one type for each of three stages, so the compiler prevents confusion:
 //

@@ -1,5 +1,6 @@
 // burin/scene/far_light.h - distant light, with the same directions everywhere on the board: the sun, and environment
-// maps (surroundings). docs/model.md 10. Frame: board.
+// maps (surroundings). docs/model.md 10.
+// Frame: board.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,5 +1,5 @@
-// burin/scene/footprint_grid.h - footprints of a view's pixels on the board's face. Frame: board xy, mm. Pixels: the
-// center of the top-left pixel is (0, 0), so corner (c, r) is at (c - 0.5, r - 0.5).
+// burin/scene/footprint_grid.h - footprints of a view's pixels on the board's face.
+// Frame: board xy, mm. Pixels: the center of the top-left pixel is (0, 0), so corner (c, r) is at (c - 0.5, r - 0.5).
 #pragma once
 
 #include <Eigen/Geometry>

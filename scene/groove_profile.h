@@ -1,6 +1,7 @@
 // burin/scene/groove_profile.h - cross-sections other than the paper's: an arc, a rounded V, burrs next to the groove,
-// anisotropic roughness. Frame: scratch (y along it, x across it, z out of the metal). Units: um. docs/model.md 2.5 to
-// 2.8, 3.7, and 4.24 to 4.26.
+// anisotropic roughness.
+// Frame: scratch (y along it, x across it, z out of the metal). Units: um. docs/model.md 2.5 to 2.8, 3.7, and 4.24 to
+// 4.26.
 //
 // d (depth_um) is always the depth under the face. The radius at the bottom is a quarter of the tool's width, as for
 // the paper's cross-section (docs/model.md 2), unless the profile has its own.
@@ -42,7 +43,7 @@ struct ProfileBand {
   double from_lean_by_depth = 0, to_lean_by_depth = 0;  ///< d(lean) / d(depth_um)
   double from_by_width = 0, to_by_width = 0;            ///< d(from_um, to_um) / d(width_um)
   double depth_for_width = 0;  ///< derivatives of the leans by width are those by depth times this factor
-  /// of the leans, precomputed because every pixel needs them
+  /// Sines and cosines of the leans, precomputed because every pixel needs them.
   double from_sine = 0, from_cosine = 1, to_sine = 0, to_cosine = 1;
 };
 

@@ -1,4 +1,5 @@
-// burin/scene/keep_out.h - parts of a straight line outside the keep-outs (burin/scene/board.h). Frame: any plane, mm.
+// burin/scene/keep_out.h - parts of a straight line outside the keep-outs (burin/scene/board.h).
+// Frame: any plane, mm.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,4 +1,5 @@
-// burin/scene/lamp_size.h - area lights as sample points. docs/model.md 5.5. Frame: board, mm.
+// burin/scene/lamp_size.h - area lights as sample points. docs/model.md 5.5.
+// Frame: board, mm.
 //
 // An area light sends the mean of its points' light; each point is a near lamp with the same axis and falloff.
 // lamp_points() approximates this mean by a quadrature rule with few points. A point's offset moves half vectors by

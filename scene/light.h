@@ -34,7 +34,7 @@ struct Light {
   std::string id = "lamp";
   Eigen::Vector3d position_mm{0, 0, 0};
   std::optional<Eigen::Vector3d> position_sigma_mm;
-  /// radiant intensity, R G B, in the setup's units (Sensor::gain = 1 if measured)
+  /// Radiant intensity, R G B; a measured one refers to Sensor::gain = 1.
   Eigen::Vector3d intensity{1, 1, 1};
   std::optional<Eigen::Vector3d> intensity_sigma;
   Eigen::Vector3d axis{0, 0, -1};  ///< unit, from the lamp

@@ -1,5 +1,6 @@
 // burin/scene/line_cuts.h - straight lines over the board: the grid cells that they cross, and their intervals under
-// grooves. Frame: board, mm.
+// grooves.
+// Frame: board, mm.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,5 +1,5 @@
-// burin/scene/look_at.h - the pose of a camera from its eye and its aim. Frames: board in, T_camera_board out; mm.
-// docs/file-formats.md, `eye_mm`.
+// burin/scene/look_at.h - the pose of a camera from its eye and its aim.
+// Frames: board in, T_camera_board out; mm. docs/file-formats.md, `eye_mm`.
 #pragma once
 
 #include <Eigen/Geometry>

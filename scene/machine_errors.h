@@ -1,5 +1,6 @@
 // burin/scene/machine_errors.h - machine errors in addition to the affine machine calibration: backlash, and screws
-// with uneven pitch. Frame: board, mm. docs/model.md 7.9.
+// with uneven pitch.
+// Frame: board, mm. docs/model.md 7.9.
 //
 // A commanded position p becomes, axis by axis and before the affine map,
 //   p + a sin(2 pi p / period) + b cos(2 pi p / period) - backlash / 2 sign(way).

@@ -1,6 +1,6 @@
 // burin/scene/scratches.h - rows of scratches.csv: two end points each, in carving order. Designed, Sent and Carved
-// (burin/scene/carve.h) give the meaning of rows: desired, commanded or carved positions. Frame: board, mm.
-// docs/file-formats.md, `scratches.csv`.
+// (burin/scene/carve.h) give the meaning of rows: desired, commanded or carved positions.
+// Frame: board, mm. docs/file-formats.md, `scratches.csv`.
 #pragma once
 
 #include <cstddef>

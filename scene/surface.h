@@ -1,5 +1,6 @@
-// burin/scene/surface.h - a face that is flat, slightly bowed, or bent to a cylinder. Frame: board, mm. docs/model.md
-// 1.2 and 1.3. burin/scene/board_mesh.h has meshes with uv; burin/scene/board_face.h combines all kinds of face.
+// burin/scene/surface.h - a face that is flat, slightly bowed, or bent to a cylinder.
+// Frame: board, mm. docs/model.md 1.2 and 1.3. burin/scene/board_mesh.h has meshes with uv; burin/scene/board_face.h
+// combines all kinds of face.
 #pragma once
 
 #include <Eigen/Core>

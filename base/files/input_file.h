@@ -10,7 +10,7 @@
 
 namespace burin {
 
-/// Opens the file and closes it again, for libraries with their own open(). Throws Error with the file unless it is a
+/// Opens the file and closes it again, for libraries that open by name. Throws Error with the file unless it is a
 /// readable plain file (or a link to one) with at most `most_bytes`. `kind` is its name in the message ("a picture").
 /// Returns its size. Never blocks: it does not read a FIFO or a device.
 std::uintmax_t require_plain_file(const std::filesystem::path& file, std::uintmax_t most_bytes,

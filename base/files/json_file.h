@@ -72,7 +72,7 @@ Json read_json(const std::filesystem::path& file, const std::string& format, int
 std::string read_text(const std::filesystem::path& file);
 
 /// Pretty-printed JSON, doubles with the necessary digits. Throws Error with `file`, its destination, for a non-finite
-/// number or a text in another encoding than UTF-8.
+/// number or a text that is not UTF-8.
 std::string json_text(const Json& json, const std::filesystem::path& file);
 
 /// Writes json_text() (write_file).

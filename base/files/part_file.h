@@ -40,7 +40,7 @@ void sync_part(const FilePlace& place, const std::filesystem::path& part);
 /// A new part file's name for this place; the process owns it until forget_part().
 std::filesystem::path new_part_name(const FilePlace& place);
 
-/// Ends this process's ownership of a part file in its place or removed.
+/// Ends this process's ownership of a part file that is in its place or removed.
 void forget_part(const std::filesystem::path& part);
 
 /// Removes the part file; ignores a missing one.

@@ -1,6 +1,6 @@
-// burin/base/files/svg.h - elements of drawings as SVG text: one line per element, for concatenation. Frame: SVG's, x
-// right and y down, in the drawing's own units. Coordinates have one decimal by default. `attributes` enter the element
-// unchanged: stroke="#ccc" stroke-width="2".
+// burin/base/files/svg.h - elements of drawings as SVG text: one line per element, for concatenation.
+// Frame: SVG's, x right and y down, in the drawing's own units. Coordinates have one decimal by default. `attributes`
+// enter the element unchanged: stroke="#ccc" stroke-width="2".
 #pragma once
 
 #include <Eigen/Core>

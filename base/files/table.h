@@ -16,10 +16,10 @@ namespace burin {
 std::optional<double> number_in(std::string_view text);
 
 enum class TableStyle {
-  /// values between commas, or as a spreadsheet writes them (below); the first line names the columns; every row has a
+  /// Values between commas, or as a spreadsheet writes them (below); the first line names the columns; every row has a
   /// value per column
   csv,
-  /// words; the first line of the form "# name name ..." with all required columns names them; later lines with # are
+  /// Words; the first line of the form "# name name ..." with all required columns names them; later lines with # are
   /// comments; "-" means no value
   vnlog
 };

@@ -1,4 +1,5 @@
-// burin/calib/verdict/camera_place.h - possible places of camera and lamp for a future photo. Frame: board, mm.
+// burin/calib/verdict/camera_place.h - possible places of camera and lamp for a future photo.
+// Frame: board, mm.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -37,11 +38,11 @@ struct FocusRange {
 /// range. The far end is at most three times the focus. Thin lens: the blur is A f (1/d - 1/s), with A the aperture.
 FocusRange depth_of_field(const Lens& lens, double focus_mm);
 
-/// Viewpoints on a hemisphere, from straight above to 65 degrees to the side, in at most `directions` directions. In
-/// each direction, the nearest viewpoint that sees the whole board. With `variants`, also one at 1.5 times the
-/// distance, and the nearest one with the camera on its side. `focus` restricts the distances: the nearest viewpoint is
-/// at its near end and the variant at its far end. Directions that see the whole board only from further away are
-/// dropped, perhaps all of them. Throws Error if the lens sees the whole board from nowhere within 100 times its size.
+/// Viewpoints on a hemisphere, from straight above to 65 degrees to the side, in up to 37 directions. In each
+/// direction, the nearest viewpoint that sees the whole board. With `variants`, also one at 1.5 times the distance, and
+/// the nearest one with the camera on its side. `focus` restricts the distances: the nearest viewpoint is at its near
+/// end and the variant at its far end. Directions that see the whole board only from further away are dropped, perhaps
+/// all of them. Throws Error if the lens sees the whole board from nowhere within 100 times its size.
 std::vector<CameraPlace> camera_places(const Board& board, const Lens& lens, bool variants,
                                        const std::optional<FocusRange>& focus = {});
 

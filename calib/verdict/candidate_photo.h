@@ -3,7 +3,8 @@
 // The information of a photo is its Fisher information: J^T W J of the predicted photo's derivatives, as in a fit to
 // the real one. The corners of the tags inform about lens, bow and tags (burin/calib/geometry/bundle.h). All pixels
 // (burin/calib/photo/photo_equations.h) and the tags' paper inform about lamp, grooves and machine. The prediction
-// needs only an approximate setup. Frame: board, mm.
+// needs only an approximate setup.
+// Frame: board, mm.
 #pragma once
 
 #include <Eigen/Geometry>

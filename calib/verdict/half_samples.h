@@ -8,8 +8,9 @@
 //
 // Halves are balanced half-samples (McCarthy, Review of the International Statistical Institute 37, 1969). Photos are
 // paired with the most similar ones, and each half takes one of each pair, as the rows of a Hadamard matrix prescribe.
-// Both halves then cover all viewpoints, and all pairs have equal weight. For a linear model, the mean of (x_A - x_B)^2
-// / 4 estimates the variance of the whole, with as many degrees of freedom as pairs.
+// Both halves then cover all viewpoints, and all pairs have equal weight.
+// For a linear model, the mean of (x_A - x_B)^2 / 4 estimates the variance of the whole, with as many degrees of
+// freedom as pairs.
 #pragma once
 
 #include <Eigen/Core>

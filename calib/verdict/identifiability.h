@@ -6,7 +6,8 @@
 // (burin/calib/verdict/half_samples.h) are solved separately, to first order. If they differ by more than chance allows
 // for this sigma (once in a thousand cases), the verdict reports it and the sigma grows until they agree. Poses are
 // tested by halves of their tags. The depth of the grooves has an additional condition: half vectors on both sides of
-// the grooves' cut-off (docs/model.md 2.4). Frame: board, mm.
+// the grooves' cut-off (docs/model.md 2.4).
+// Frame: board, mm.
 #pragma once
 
 #include <Eigen/Core>

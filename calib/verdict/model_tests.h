@@ -1,5 +1,6 @@
 // burin/calib/verdict/model_tests.h - tests of the model: residuals and estimates by classes of pixels that an
-// unmodeled effect would separate. Frame: board, mm. docs/calibration.md, 'Where the model is not enough'.
+// unmodeled effect would separate.
+// Frame: board, mm. docs/calibration.md, 'Where the model is not enough'.
 //
 // Each of several quantities (kPixelQuantities) sorts pixels into six bins; two neighboring bins form a class. H_c and
 // g_c are the normal equations of a class' pixels at the optimum x, with cameras, bow and lens fixed. A fit that gives

@@ -6,7 +6,8 @@
 // parameter's verdict names the candidate with the smallest variance and its predicted sigma, if the sigma decreases by
 // a third: a smaller gain is not worth the effort. A moved lamp is a new lamp of the setup, and more work. It is named
 // only if no photo under the existing lamps is informative enough. The camera stays within the focus of the existing
-// photos (FocusRange), if the whole board is visible from there. Frame: board, mm.
+// photos (FocusRange), if the whole board is visible from there.
+// Frame: board, mm.
 #pragma once
 
 #include <cstddef>

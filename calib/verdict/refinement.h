@@ -1,4 +1,5 @@
-// burin/calib/verdict/refinement.h - the result of burin/calib/refine.h. Frame: board, mm.
+// burin/calib/verdict/refinement.h - the result of burin/calib/refine.h.
+// Frame: board, mm.
 #pragma once
 
 #include <Eigen/Core>

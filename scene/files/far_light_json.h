@@ -7,7 +7,7 @@
 
 namespace burin {
 
-/// Three numbers of light, R G B. Throws Error where one is negative.
+/// Three numbers of light, R G B. Throws Error if one is negative.
 Eigen::Vector3d light_color(JsonObject& json, const std::string& key, const Eigen::Vector3d& fallback);
 
 /// True if an entry of "lights" is a distant light: it has a "sun" or a "surroundings".
