@@ -42,8 +42,8 @@ TriangleMesh read_obj(const std::filesystem::path& file);
 /// A face and its occluders, ready for rays.
 class BoardMesh {
  public:
-  /// `name` is the file in messages. Throws Error for a face without uv, with uv without area, with uv that run
-  /// clockwise seen from the front, or with uv that cover a place of the board twice (a fold). Throws Error for
+  /// `name` is the file in messages. Throws Error for a face without uv or with uv without area. Throws Error for uv
+  /// that run clockwise seen from the front, or that cover a place of the board twice (a fold). Throws Error for
   /// non-finite numbers and for a non-positive size.
   BoardMesh(const TriangleMesh& face, const Eigen::Vector2d& size_mm, const std::string& name,
             std::span<const TriangleMesh> occluders = {});

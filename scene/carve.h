@@ -1,5 +1,5 @@
-// burin/scene/carve.h - forward model from a design to the metal, and its backward pass.
-// Frame: board, mm. docs/model.md 7.
+// burin/scene/carve.h - forward model from a design to the metal, and its backward pass. Frame: board, mm.
+// docs/model.md 7.
 //
 // Scratches have one type for each of three stages, so the compiler prevents confusion:
 //
@@ -8,9 +8,9 @@
 //              affine machine calibration
 //   Carved     grooves in the metal: the renderers' input, visible in photos
 //
-// carve() is the only way from the first two to the third. It applies the setup's model of machine and grooves: affine
-// map, variation of depth and roughness over the board, tool wear along the carving order, the crossing rule, and
-// existing scratches. Rows are in carving order.
+// carve() is the only way from the first two to the third. It applies the setup's affine map, variation of depth and
+// roughness over the board, tool wear along the carving order, the crossing rule, and existing scratches. Rows are in
+// carving order.
 #pragma once
 
 #include <Eigen/Geometry>

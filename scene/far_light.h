@@ -59,9 +59,9 @@ Light sun_light(const Eigen::Vector3d& direction, const Eigen::Vector3d& irradia
 /// An environment map as a light. Its position_mm is in the direction of most of the light above the face.
 Light surroundings_light(std::shared_ptr<const Panorama> panorama, const Eigen::Vector3d& factor = {1, 1, 1});
 
-/// Makes a panorama from a picture in memory. Throws Error with `where` for negative or non-finite values, for a
-/// picture that is not twice as wide as high (within a pixel), and for a number of channels other than 1 and 3. Throws
-/// Error for a frame without directions and for a picture that is black above the face.
+/// Makes a panorama from a picture in memory. Throws Error with `where` for negative or non-finite values and for a
+/// number of channels other than 1 and 3. Throws Error for a picture that is not twice as wide as high (within a
+/// pixel). Throws Error for a frame without directions and for a picture that is black above the face.
 std::shared_ptr<const Panorama> make_panorama(Image radiance, const PanoramaFrame& frame, const std::string& where);
 
 /// The equivalent lamp of a sun: a point far away. docs/model.md 10.3.

@@ -84,7 +84,7 @@ inline void clip_stretch(LineStretch& stretch, double a, double b, double low, d
 }
 
 /// A groove in the coordinates of a line: distance from the groove's middle line and position along the groove, at the
-/// line's first end; the slopes are changes per millimeter of the line.
+/// line's first end. The slopes are changes per millimeter of the line.
 struct GrooveMet {
   double across = 0, along = 0, across_slope = 0, along_slope = 0, length_mm = 0;
 };

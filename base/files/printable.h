@@ -10,8 +10,8 @@
 
 namespace burin {
 
-/// True for text without a control character (below U+0020, U+007F to U+009F), without a mark of the writing direction
-/// (U+202A to U+202E, U+2066 to U+2069), and without invalid UTF-8.
+/// True for valid UTF-8 without control characters (below U+0020, U+007F to U+009F) and without marks of the writing
+/// direction (U+202A to U+202E, U+2066 to U+2069).
 bool is_printable(std::string_view text);
 
 /// The text with each such byte as \xNN; other text stays unchanged.

@@ -1,10 +1,10 @@
 // burin/calib/verdict/groove_agreement.h - test that the photos show the grooves of the sent scratches. Photos of
 // another board have the right tags, and a fit then finds wrong parameters that compensate for its grooves.
 //
-// The test predicts each photo twice: with the grooves at their places, and with all of them shifted by a few pixel
-// widths. A photo of these grooves agrees with the first prediction; a photo of others is halfway between the two. In a
-// fit to photos without its grooves, they fade until no single photo distinguishes the predictions. All photos together
-// still distinguish them.
+// The test predicts each photo twice: with the grooves at their places, and with all of them shifted by 2.7 mm, in each
+// of four directions. A photo of these grooves agrees with the first prediction; a photo of others is halfway between
+// the two. In a fit to photos without its grooves, they fade until no single photo distinguishes the predictions. All
+// photos together still distinguish them.
 #pragma once
 
 #include <cstddef>

@@ -1,6 +1,5 @@
 // burin/calib/verdict/model_tests.h - tests of the model: residuals and estimates by classes of pixels that an
-// unmodeled effect would separate.
-// Frame: board, mm. docs/calibration.md, 'Where the model is not enough'.
+// unmodeled effect would separate. Frame: board, mm. docs/calibration.md, 'Where the model is not enough'.
 //
 // Each of several quantities (kPixelQuantities) sorts pixels into six bins; two neighboring bins form a class. H_c and
 // g_c are the normal equations of a class' pixels at the optimum x, with cameras, bow and lens fixed. A fit that gives
@@ -9,13 +8,13 @@
 //   x_c = x - (P + H_c + H_others / 10)^-1 (g_P + g_c + g_others / 10)
 //
 // (P: priors and paper). Under a correct model the classes' estimates differ by chance alone. The expected difference
-// follows from the scatter of scores over 20 mm squares of the board, within which neighbors may be correlated: as if
-// whole squares had been assigned to the classes at random. Halves of the photos cannot reveal such an effect, because
-// both halves contain the common effects of all photos.
+// follows from the scatter of scores over 20 mm squares of the board, within which neighbors may be correlated. The
+// squares count as assigned to the classes at random. Halves of the photos cannot reveal such an effect, because both
+// halves contain the common effects of all photos.
 //
 // No model is exact, and enough pixels refute every model. In an amateur's setup with a valid model, dust and
-// fingerprints separate classes by 8 to 10 sigmas, although its estimates are right to 0.1 % and the classes' halves
-// differ by 0.6 %. A misfit is therefore a difference beyond chance that is also large enough to matter.
+// fingerprints separate classes by 8 to 10 sigmas. Its estimates are nevertheless right to 0.1 %, and the classes'
+// halves differ by 0.6 %. A misfit is therefore a difference beyond chance that is also large enough to matter.
 #pragma once
 
 #include <Eigen/Core>

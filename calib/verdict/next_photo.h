@@ -33,8 +33,8 @@ void advise_geometry(const BoardSolution& geometry, const Board& board, const Co
 /// (otherwise 0).
 bool is_worth_taking(double sigma_ratio, std::size_t half_vectors, std::size_t half_vectors_now);
 
-/// Instructions for a photo under a lamp at a new place, different from all of `lamps` (the setup's; not empty): the
-/// place, the entry of bench.json, and the folder of the photo (burin/capture/lamp_folders.h).
+/// Instructions for a photo under a lamp at a new place, different from all of the setup's `lamps` (not empty). They
+/// contain the place, the entry of bench.json, and the folder of the photo (burin/capture/lamp_folders.h).
 std::string moved_lamp_in_words(const Light& moved, const std::vector<Light>& lamps, const Board& board);
 
 /// For grooves, lamps, machine and the rest of the light. Renders the candidates (some seconds), unless everything is

@@ -11,8 +11,8 @@ namespace burin {
 /// information about lens, poses and bow hardly changes.
 constexpr std::size_t kMostPlannedTags = 60;
 
-/// The board with at most kMostPlannedTags of its tags, spread as far apart as possible (each is the one furthest from
-/// the earlier ones); with all of them, if they are no more.
+/// The board with at most kMostPlannedTags of its tags, or all if it has no more. They are as far apart as possible:
+/// each is the one furthest from the earlier ones.
 Board with_planned_tags(const Board& board);
 
 }  // namespace burin
