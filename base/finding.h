@@ -9,6 +9,7 @@ namespace burin {
 
 /// Errors stop the work, warnings do not, notes report assumptions.
 struct Finding {
+  /// Severity of a diagnostic.
   enum class Severity { note, warning, error };
   Severity severity = Severity::warning;
   std::filesystem::path file;  ///< the photo, or another file; empty for the whole work

@@ -17,6 +17,7 @@ struct Image {
   std::vector<float> data;
 
   Image() = default;
+  /// An image with the same value in all pixels.
   Image(int width_px, int height_px, int channel_count, float value = 0)
       : width(width_px),
         height(height_px),

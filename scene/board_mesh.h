@@ -70,6 +70,7 @@ class BoardMesh {
   bool hidden_from(const Eigen::Vector3d& from_mm, const Eigen::Vector3d& position_mm,
                    const Eigen::Vector3d& normal) const;
 
+  /// The flat board's size.
   const Eigen::Vector2d& size_mm() const;
 
   /// Largest stretch or compression of the flat board by the mesh: 0.1 is 10 %. A bent sheet of metal has none.

@@ -34,7 +34,9 @@ struct Designed {
   Scratches scratches;
 
   Designed() = default;
+  /// Takes desired scratches.
   explicit Designed(Scratches rows) : scratches(std::move(rows)) {}
+  /// Number of rows.
   std::size_t size() const { return scratches.size(); }
 };
 
@@ -44,7 +46,9 @@ struct Sent {
   Scratches scratches;
 
   Sent() = default;
+  /// Takes commanded scratches.
   explicit Sent(Scratches rows) : scratches(std::move(rows)) {}
+  /// Number of rows.
   std::size_t size() const { return scratches.size(); }
 };
 
@@ -59,6 +63,7 @@ struct Carved {
   /// parts.
   std::shared_ptr<const VisibleLanes> lanes;
 
+  /// Number of rows.
   std::size_t size() const { return scratches.size(); }
 };
 

@@ -33,7 +33,9 @@ struct FootprintGrid {
   std::vector<Eigen::Vector3d> x_axis;
   std::optional<Eigen::Matrix3d> board_from_pixel;  ///< homography from window pixels to board xy, if there is one
 
+  /// Pixels per row.
   int width() const { return window.width; }
+  /// Number of rows.
   int height() const { return window.height; }
 };
 

@@ -22,6 +22,7 @@ struct Scratches {
   /// (burin/scene/crossings.h). Empty: all of it. Not in files.
   std::vector<double> left = {};
 
+  /// Number of scratches.
   std::size_t size() const { return x0_mm.size(); }
   /// True if scratch i is in the metal already.
   bool is_carved(std::size_t i) const { return !carved.empty() && carved[i] != 0; }

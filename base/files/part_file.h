@@ -19,6 +19,7 @@ struct FilePlace {
   uid_t user = 0;               ///< and its owners
   gid_t group = 0;
 
+  /// The folder of `file`.
   std::filesystem::path folder() const;
 };
 
