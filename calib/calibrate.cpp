@@ -41,7 +41,7 @@ std::string list_of(const std::set<int>& ids) {
   return out;
 }
 
-// Why no view has a tag of the board's: another family, other ids, or nothing at all.
+// Fails with the reason for missing tags of the board: another family, other ids, or no tag at all.
 [[noreturn]] void fail_without_tags(const Session& session, const std::vector<Bracket>& brackets,
                                     const std::vector<NoiseModel>& noise, const Board& board,
                                     const std::set<int>& foreign_ids) {
@@ -70,7 +70,7 @@ std::string list_of(const std::set<int>& ids) {
        "photograph the whole board, sharp, its tags at least 20 pixels wide and their paper not clipped");
 }
 
-// The mean of the channels: all that lamps are sought in.
+// The mean of the channels, sufficient for finding lamps.
 MergedView without_color(MergedView&& view) {
   const int n = view.value.channels;
   if (n == 1) return std::move(view);
@@ -89,12 +89,12 @@ MergedView without_color(MergedView&& view) {
   return std::move(view);
 }
 
-// What is kept of the photos once they have been read.
+// Data kept of the photos after reading.
 struct Pictures {
-  std::vector<TagsInPhoto> tags;   // one a bracket
+  std::vector<TagsInPhoto> tags;   // one per bracket
   std::vector<MergedView> merged;  // binned, without color
   std::vector<std::vector<PaperColor>> paper;
-  std::vector<std::vector<Eigen::Vector3d>> paper_light;  // as the lamps color it
+  std::vector<std::vector<Eigen::Vector3d>> paper_light;  // with the lamps' colors
 };
 
 Pictures read_pictures(const Session& session, const std::vector<Bracket>& brackets,
@@ -128,8 +128,8 @@ double median_tag_side_px(const std::vector<TagsInPhoto>& pictures) {
   return sides.empty() ? 1e9 : median_of(std::move(sides));
 }
 
-// Photos and tags as this camera stores them. What it does to its pictures goes into out.bench.sensor; where the first
-// look at the tags shows more of it, all are read once more.
+// Photos and tags as this camera stores them. Puts its processing into out.bench.sensor. If the first look at the tags
+// shows more of it, all are read again.
 Pictures read_as_stored(const Session& given, const std::vector<Bracket>& brackets, std::vector<NoiseModel>& noise,
                         const Board& board, PhotoSize size, const CalibrateOptions& options, const Progress& progress,
                         Calibration& out) {
@@ -157,7 +157,7 @@ Pictures read_as_stored(const Session& given, const std::vector<Bracket>& bracke
   return read();
 }
 
-// Views whose focal length is known too poorly to tell on which side of a change by `log_ratio` they were taken.
+// Views whose focal length is too uncertain to place them on one side of a change by `log_ratio`.
 std::vector<std::string> views_of_unknown_zoom(const BoardSolution& solved, const std::vector<ViewTags>& pictures,
                                                double log_ratio) {
   constexpr double kTells = 5;  // sigmas
@@ -173,12 +173,13 @@ std::vector<std::string> views_of_unknown_zoom(const BoardSolution& solved, cons
   return out;
 }
 
-// A zoom that was turned half way is taken up by lens, bow and poses together, and then no view stands out. All views
-// before, or after, one moment fit far better without the others: the others become odd, and `focals` all views'.
+// Seeks a zoom that was turned half way through the session. Lens, bow and poses together absorb it, and no view is an
+// outlier. All views before, or after, one moment then fit far better without the others. The others become odd, and
+// `focals` becomes all views'.
 void seek_turned_zoom(const Session& session, const Board& board, const std::vector<ViewTags>& pictures, PhotoSize size,
                       BoardSolverOptions options, BoardSolution& solved, std::vector<std::optional<OwnFocal>>& focals) {
-  constexpr double kFarBetter = 0.4;  // of the RMS, which holds the corners' noise as well
-  std::vector<std::string> views;     // by their clock
+  constexpr double kFarBetter = 0.4;  // of the RMS, which includes the corners' noise
+  std::vector<std::string> views;     // in order of time
   for (const Photo& photo : session.photos)
     if (std::find(views.begin(), views.end(), photo.view) == views.end() &&
         std::any_of(solved.views.begin(), solved.views.end(), [&](const View& v) { return v.name == photo.view; }))
@@ -193,7 +194,7 @@ void seek_turned_zoom(const Session& session, const Board& board, const std::vec
       options.leave_out.insert(options.leave_out.end(), odd.begin(), odd.end());
       BoardSolution without = solve_board(board, pictures, size.width, size.height, options);
       if (without.rms_px > kFarBetter * solved.rms_px || without.views.size() + others < views.size()) continue;
-      Bundle all = without.bundle;  // the others' poses were not sought there
+      Bundle all = without.bundle;  // the others' poses are not solved there
       for (std::size_t v = 0; v < all.views.size(); ++v)
         if (all.views[v].isApprox(Eigen::Isometry3d::Identity())) all.views[v] = solved.bundle.views[v];
       focals = own_focals(all);
@@ -203,9 +204,9 @@ void seek_turned_zoom(const Session& session, const Board& board, const std::vec
     }
 }
 
-// Lens, poses and tags, by one lens. If the views that were left out for their focal length are all that were taken
-// before, or after, one moment, the zoom was turned then: views of that side which look straight at the board cannot
-// tell their focal length, fit any, and go with them.
+// Lens, poses and tags, by one lens. Views left out for their focal length may be all views before, or after, one
+// moment. Then the zoom was turned at this moment. Views of that side which look straight at the board do not determine
+// their focal length, fit any, and are left out too.
 BoardSolution solve_with_one_lens(const Session& session, const Board& board, const std::vector<ViewTags>& pictures,
                                   PhotoSize size, BoardSolverOptions& solver, const Progress& progress) {
   BoardSolution solved = solve_board(board, pictures, size.width, size.height, solver, progress);
@@ -229,7 +230,7 @@ BoardSolution solve_with_one_lens(const Session& session, const Board& board, co
   const std::vector<std::string> unknown = views_of_unknown_zoom(solved, pictures, log_ratio);
   const auto change = change_in_time(session, solved.odd_views, unknown);
   if (!change) return with_all;
-  // What lies between the last view of one side and the first of the other may be of either, and goes as well.
+  // Views between the last one of one side and the first one of the other may belong to either, and are left out too.
   solver.leave_out = solved.odd_views;
   std::string with_them;
   const auto index_of = [&](const std::string& view) {
@@ -256,8 +257,8 @@ BoardSolution solve_with_one_lens(const Session& session, const Board& board, co
   return solved;
 }
 
-// The same; where lenses differ from photo to photo, each view has its own. First one lens must have told whether the
-// zoom was turned between two photos, since an own lens for each would explain that, too.
+// Lens, poses and tags; if lenses differ between photos, each view has its own. The solve with one lens comes first, to
+// detect a zoom turned between two photos: own lenses would absorb it.
 BoardSolution solve_lenses(const Session& session, const Board& board, const std::vector<ViewTags>& pictures,
                            PhotoSize size, BoardSolverOptions& solver, const Progress& progress) {
   solver.own_lenses = false;
@@ -274,7 +275,7 @@ BoardSolution solve_lenses(const Session& session, const Board& board, const std
 // A view under one light.
 using LitView = std::pair<std::string, std::string>;
 
-// Sigmas count how far lamps and face move where samples are as they would be `without` local tone mapping.
+// Adds the shifts of lamps and face by local tone mapping to their sigmas; `without` are samples with it removed.
 void count_tones(const std::vector<LightSample>& without, const Board& board, const Bench& named, Bench& bench) {
   std::vector<Finding> told_before;
   const Bench other = with_lamps(without, board, named, told_before);
@@ -291,15 +292,15 @@ void count_tones(const std::vector<LightSample>& without, const Board& board, co
     sigma = std::hypot(*sigma, other.material.base_alpha - bench.material.base_alpha);
 }
 
-// Finds the lamps in the pictures that are left; returns the views that were lit otherwise than the rest. `on_camera`
-// gets the names of lamps that ride on the camera.
+// Finds the lamps in the remaining pictures; returns views with different light. `on_camera` gets the names of lamps
+// that move with the camera.
 std::set<LitView> find_lamps(const Session& session, std::vector<MergedView>&& merged, const Board& board,
                              Calibration& out, std::vector<std::string>& on_camera) {
   std::set<LitView> odd;
   const Sent sent(board.scratches.empty() ? Scratches{} : read_scratches(board.scratches));
   std::vector<Finding> notes;
   Bench named = out.bench;  // with its lights
-  // Views without a pose have been told.
+  // Views without a pose have findings already.
   std::erase_if(merged, [&](const MergedView& m) {
     return std::none_of(named.views.begin(), named.views.end(), [&](const View& v) { return v.name == m.view; });
   });
@@ -356,7 +357,7 @@ std::set<LitView> find_lamps(const Session& session, std::vector<MergedView>&& m
   return odd;
 }
 
-// The lamps' colors by the paper in all photos but those of another lamp.
+// Estimates the lamps' colors from the paper in all photos except those of another lamp.
 void find_colors(const Session& session, std::span<const Bracket> brackets,
                  std::vector<std::vector<Eigen::Vector3d>>&& paper, const std::set<LitView>& odd, const Board& board,
                  Calibration& out) {
@@ -411,7 +412,7 @@ Calibration calibrate(const Session& session, const Board& board, const Calibrat
          "photograph the board from at least three places, better ten, tilted in different directions");
 
   report("reading photos", 0);
-  // Sizes first: headers are quick to read, and a person should not wait for this news.
+  // Sizes first: headers are quick to read, and a person should get this error early.
   const auto [width, height] = photo_size(session);
   if (options.lens && (options.lens->width != width || options.lens->height != height))
     fail("the given camera",
@@ -440,7 +441,7 @@ Calibration calibrate(const Session& session, const Board& board, const Calibrat
       out.rejected_view.push_back(picture.view);
     }
   if (found == 0) {
-    // Seen, but none usable: say what is wrong with them.
+    // Seen, but none usable: report the reason.
     for (std::size_t i = 0; i < out.rejected.size(); ++i)
       if (!foreign.count(out.rejected[i].id))
         fail(session.photos.front().file.string(),

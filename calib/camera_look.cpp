@@ -26,7 +26,7 @@ Finding told(std::string what, std::string remedy) {
 
 std::string percent(double part, int digits = 2) { return significant(100 * part, digits) + " %"; }
 
-// Factors of all photos as the mean of their logarithms is 0 for each channel and bracket's light.
+// Multiplies a photo's balance by `by`: a factor relative to the geometric mean over the photos under its light.
 void multiply_balance(const Session& session, std::size_t photo, const Eigen::Vector3d& by, Sensor& sensor) {
   Eigen::Vector3d& balance =
       sensor.balance.try_emplace(photo_name(session, session.photos[photo]), Eigen::Vector3d::Ones()).first->second;
@@ -128,7 +128,7 @@ bool look_at_paper_colors(const Session& session, std::span<const Bracket> brack
     if (std::find(lights.begin(), lights.end(), b.light) == lights.end()) lights.push_back(b.light);
   double worst = 0;
   for (const std::string& light : lights) {
-    // A tag's color is that of its place under this lamp; what is common to a view's tags is the view's balance.
+    // A tag's color depends on its place under this lamp; a factor common to a view's tags is the view's balance.
     std::map<int, std::vector<Eigen::Vector2d>> of_tag;
     for (std::size_t b = 0; b < brackets.size(); ++b)
       if (brackets[b].light == light)

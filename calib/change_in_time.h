@@ -1,5 +1,5 @@
-// burin/calib/change_in_time.h - odd photos that are all of those before, or after, one moment: then something was
-// changed at that moment, and is worth one sentence in place of one per photo.
+// burin/calib/change_in_time.h - detects odd photos that all precede, or all follow, one moment. Then something changed
+// at this moment, and one sentence replaces one per photo.
 #pragma once
 
 #include <optional>
@@ -15,18 +15,18 @@ namespace burin {
 struct ChangeInTime {
   std::string view_before, view_after;
   std::string photo_before, photo_after;  ///< file names: the last photo before it, the first after it
-  bool odd_after = false;                 ///< whether the odd views come after it
+  bool odd_after = false;                 ///< the odd views come after it
 };
 
-/// The change that sets the `odd` views apart from all other views, in the order of the session's photos, which is that
-/// of their clock; views that are in `unknown` may lie on either side. None unless there are two odd views and two
-/// others, and one moment parts them.
+/// The change that separates the `odd` views from all others in the order of the session's photos, their time order.
+/// Views in `unknown` can be on either side. Empty unless there are two odd views and two others, and one moment
+/// separates them.
 std::optional<ChangeInTime> change_in_time(const Session& session, const std::vector<std::string>& odd,
                                            const std::vector<std::string>& unknown = {});
 
-/// The same of a lamp that was moved: it draws the fit towards itself, so that some view fits hardly worse than the
-/// clean ones. The worst of the others, half as many at most, join `odd` until one moment parts them. `residuals`: of
-/// each photo its view, and its residual over its noise.
+/// The change for a lamp that was moved. Such a lamp draws the fit towards itself, so that some odd view fits hardly
+/// worse than clean ones. The worst of the other views, at most half as many, join `odd` until one moment separates
+/// them. `residuals` holds for each photo its view and its residual over its noise.
 std::optional<ChangeInTime> change_of_lamp(const Session& session,
                                            const std::vector<std::pair<std::string, double>>& residuals,
                                            std::vector<std::string>& odd);

@@ -28,10 +28,10 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr double kDetermined = 0.2, kWeakly = 0.6;  // sigmas of a depth or roughness, relative
-constexpr double kBeyond = 1;                       // the same for photos beyond it, where little light is left
-constexpr double kReach = 1.5;  // roughnesses about the steepest wall within which a photo tells the depth
+constexpr double kBeyond = 1;                       // the same for photos beyond its walls, where little light is left
+constexpr double kReach = 1.5;  // roughnesses about the steepest wall within which a photo shows the depth
 
-// What one fan looks like in one photo.
+// A fan in one photo.
 struct FanInPhoto {
   double lean = 0;     // of the half vector at its center
   double clipped = 0;  // share of its pixels
@@ -45,7 +45,7 @@ void check_told(const Coupon& coupon, const Scratches& told) {
            "take both files of the same coupon, as burin coupon wrote them");
 }
 
-// What the rounds work on. The second round starts where the first one ended.
+// Data of the rounds. The second round starts from the first one's result.
 struct Rounds {
   std::span<const MergedView> photos;
   const Board& board;
@@ -65,7 +65,7 @@ struct Rounds {
   }
 };
 
-// The photos as a problem of fans, from a bench that explains them on the whole.
+// The photos as a problem of fans, from a bench fitted to them on average.
 void set_up(Rounds& run, const Bench& calibrated, const CouponReadOptions& options) {
   FanProblem& problem = run.problem;
   run.sent = scratches_of(problem.told, *problem.coupon, run.values);
@@ -80,7 +80,7 @@ void set_up(Rounds& run, const Bench& calibrated, const CouponReadOptions& optio
   for (const LightSample& sample : gather_light_samples(run.views, run.board, run.bench, run.sent))
     if (sample.kind != SampleKind::face && sample.value > 0) problem.data.paper.push_back(sample);
   run.state = state_of(run.bench, problem.data);
-  // Grooves have their own; what is shared is what the board believes, from which they count.
+  // Grooves have values of their own; the shared ones are the board's prior, as their reference.
   run.state.shared[unknown::log_alpha] = std::log(run.board.material.alpha);
   run.state.shared[unknown::log_depth] = std::log(run.board.material.depth_um);
   const Bins bins = bins_for(run.views, run.bench, options.finest_pixel_mm, RefineOptions().max_pixels);
@@ -130,7 +130,7 @@ std::vector<std::vector<FanInPhoto>> fans_in_photos(const Rounds& run) {
   return out;
 }
 
-// Where a camera would see a half vector of this lean, the lamp staying.
+// Place of the camera for a half vector of this lean, with the lamp fixed.
 std::string place_for_lean(double lean, const Bench& bench, const Board& board) {
   const Vector3d middle(board.size_mm.x() / 2, board.size_mm.y() / 2, 0);
   const Vector3d wi = (bench.lights.front().position_mm - middle).normalized();
@@ -149,8 +149,8 @@ std::string place_for_lean(double lean, const Bench& bench, const Board& board) 
   return "from " + place_in_words(Vector3d(middle + distance_mm * best), board);
 }
 
-// What speaks against a depth, whatever its sigma: its cut-off, which no photo comes near, or clipped photos. Fills in
-// the cell's leans.
+// Evidence against a depth regardless of its sigma: no photo near its cut-off, or clipped photos. Fills in the cell's
+// leans.
 CouponCause against_depth(double depth_um, double alpha, std::span<const FanInPhoto> seen, const Board& board,
                           CellReading& cell) {
   cell.steepest_rad = 2 * std::atan(groove_rim(board.tool_width_um, depth_um));
@@ -198,7 +198,7 @@ TravelReading travel_of(const Vector2d& along, const Eigen::Matrix2d& covariance
   return out;
 }
 
-// The fans that `serve`, as one number a cell.
+// The usable fans (`serve`), as one number per cell.
 CellStatistics statistics_of(const Rounds& run, const std::vector<double>& values, const Eigen::MatrixXd& covariance,
                              Index first, const std::vector<bool>& serve, const std::optional<TiltPrior>& tilt) {
   const Coupon& coupon = *run.problem.coupon;
@@ -215,9 +215,9 @@ CellStatistics statistics_of(const Rounds& run, const std::vector<double>& value
   return cell_statistics(samples, covariance(kept, kept), coupon.cells.size(), tilt);
 }
 
-// What the slope within fans says of the slope over the coupon.
+// Prior of the slope over the coupon from the slope within fans.
 TiltPrior tilt_of(const Rounds& run, const Eigen::MatrixXd& covariance) {
-  constexpr double kModel = 0.03;  // what the model may have wrong across a fan, times as many radii as the coupon has
+  constexpr double kModel = 0.03;  // model error across a fan, times the coupon's size in radii
   TiltPrior out;
   const Vector2d radii = run.board.size_mm / run.problem.coupon->fans.front().radius_mm;
   const auto across = static_cast<Index>(2 * run.problem.coupon->fans.size() + 2);
@@ -228,7 +228,7 @@ TiltPrior tilt_of(const Rounds& run, const Eigen::MatrixXd& covariance) {
   return out;
 }
 
-// From fans to cells.
+// Combines fans to cells.
 void fill_reading(const Rounds& run, const Eigen::MatrixXd& covariance, CouponReading& out) {
   const Coupon& coupon = *run.problem.coupon;
   const std::size_t n = coupon.fans.size();
@@ -238,7 +238,7 @@ void fill_reading(const Rounds& run, const Eigen::MatrixXd& covariance, CouponRe
     out.fans.push_back({run.values.log_depth[f], std::sqrt(covariance(at, at)), run.values.log_alpha[f],
                         std::sqrt(covariance(alpha_at + at, alpha_at + at))});
   }
-  // What photos do not tell of a fan would only hide what others say of wear.
+  // Fans without information on depth or roughness would only mask others' evidence of wear.
   const std::vector<std::vector<FanInPhoto>> seen = fans_in_photos(run);
   std::vector<CouponCause> against(coupon.cells.size());
   std::vector<bool> tells_depth(n), tells_alpha(n);
@@ -273,12 +273,12 @@ void fill_reading(const Rounds& run, const Eigen::MatrixXd& covariance, CouponRe
         out.alpha.cells[c], against[c] == CouponCause::overexposed ? CouponCause::overexposed : CouponCause::none);
   }
   out.travel = travel_of(run.values.travel, covariance.block<2, 2>(2 * alpha_at, 2 * alpha_at));
-  // Where no photo comes near a cut-off, what seems to be a difference in depth is something else.
+  // If no photo is near a cut-off, an apparent difference in depth has another cause.
   constexpr std::size_t kCutOffs = 2;
   if (cells_with_depth < kCutOffs) out.travel.known = out.travel.seen = false;
 }
 
-// Numbers that are not determined, those of one cause in one sentence, with the photo that would tell them.
+// Reports undetermined numbers, one sentence per cause, with the photo to determine them.
 void judge_cells(const Rounds& run, CouponReading& out) {
   const Coupon& coupon = *run.problem.coupon;
   const auto degrees = [](double low, double high) {
@@ -335,7 +335,7 @@ void judge_cells(const Rounds& run, CouponReading& out) {
     }
 }
 
-// Photos that could not serve, and why.
+// Reports unusable photos with reasons.
 void judge_photos(const Rounds& run, CouponReading& out) {
   const std::vector<std::vector<FanInPhoto>> seen = fans_in_photos(run);
   constexpr double kMirror = 9 / kRadian_deg, kClipped = 0.01;
@@ -378,7 +378,7 @@ CouponReading read_coupon_photos(std::span<const MergedView> photos, const Coupo
   for (int round = 0; round < kRounds; ++round) {
     Refinement refined = refine(photos, board, scratches_of(told, coupon, run.values), calibrated, shared, progress);
     run.bench = refined.bench;
-    // What all fans share moves into each of them.
+    // The shared part moves into each fan.
     for (double& v : run.values.log_depth) v += std::log(run.bench.material.depth_um / board.material.depth_um);
     for (double& v : run.values.log_alpha) v += std::log(run.bench.material.alpha / board.material.alpha);
     if (round == 0) run.problem.prior.log_alpha = run.values.log_alpha;

@@ -1,14 +1,14 @@
-// burin/calib/coupon.h - three photos of a coupon (burin/scene/coupon.h) into what its machine carves: depth and
-// roughness of each cell, how well they repeat, wear, and whether the direction of travel matters. Frame: the coupon's
-// board, mm. docs/calibration.md, "The coupon".
+// burin/calib/coupon.h - reads three photos of a coupon (burin/scene/coupon.h): depth and roughness of each cell, their
+// repeatability, wear, and the effect of the direction of travel. Frame: the coupon's board, mm. docs/calibration.md,
+// "The coupon".
 //
 //   Coupon c = read_coupon("coupon.json");
 //   Calibration k = calibrate(session, board);                       // cameras and lamp, from the tags
 //   CouponReading r = read_coupon_photos(merged, c, board, told, k.bench);
 //
-// First `refine` fits what all grooves share. Then each fan is fitted by itself (photo/coupon_fit.h), with lamp, face,
-// light and the machine's map moving along, twice, so that what all share is not bent by grooves that differ. Fans of
-// one cell are then one number with a sigma (verdict/coupon_statistics.h).
+// First `refine` fits the shared parameters of all grooves. Then each fan is fitted by itself (photo/coupon_fit.h),
+// while lamp, face, light and the affine machine calibration move along. A second pass keeps differing grooves from
+// biasing the shared parameters. Fans of one cell then become one number with a sigma (verdict/coupon_statistics.h).
 #pragma once
 
 #include <span>
@@ -26,14 +26,14 @@
 
 namespace burin {
 
-/// Why a number of a cell is not determined.
+/// Reason for an undetermined number of a cell.
 enum class CouponCause {
-  none,          ///< it is
-  unseen,        ///< no photo shows its fans, or shows anything of them
+  none,          ///< it is determined
+  unseen,        ///< no photo shows its fans, or shows any light of them
   overexposed,   ///< in most photos
-  inside_reach,  ///< of a depth: all photos lean less than its walls, where light does not depend on it
+  inside_reach,  ///< of a depth: all photos lean less than its walls; there light does not depend on depth
   beyond_reach,  ///< of a depth: all photos lean more
-  large_sigma    ///< they do tell, but not well
+  large_sigma    ///< the photos constrain it, but poorly
 };
 
 /// A number of a cell.
@@ -43,7 +43,7 @@ struct CouponNumber {
   CouponCause cause = CouponCause::none;
 };
 
-/// What the photos say of a cell, halfway through the carving.
+/// Estimates of a cell, halfway through the carving.
 struct CellReading {
   CouponNumber depth_um, alpha;
   std::size_t fans = 0;
@@ -51,27 +51,27 @@ struct CellReading {
   double least_lean_rad = 0, most_lean_rad = 0;  ///< of the half vectors at its fans, in all photos
 };
 
-/// What they say of one fan: logarithms and their sigmas.
+/// Estimates of one fan: logarithms and their sigmas.
 struct FanReading {
   double log_depth = 0, log_depth_sigma = 0, log_alpha = 0, log_alpha_sigma = 0;
 };
 
-/// How the depth depends on the direction of travel.
+/// Dependence of the depth on the direction of travel.
 struct TravelReading {
-  double share = 0;        ///< by how much it is deeper going towards `towards_deg` than going back
+  double share = 0;        ///< relative excess of depth towards `towards_deg` over the way back
   double sigma = 0;        ///< of the share
   double towards_deg = 0;  ///< counter-clockwise from x
   double towards_sigma_deg = 0;
-  bool known = false;  ///< whether the photos could tell
+  bool known = false;  ///< the photos can show it
   bool seen = false;   ///< beyond chance, at 1 %
 };
 
 struct CouponReading {
-  std::vector<CellReading> cells;  ///< as the coupon's
-  std::vector<FanReading> fans;    ///< as the coupon's
-  CellStatistics depth, alpha;     ///< of the logarithms; trends and what repeats
+  std::vector<CellReading> cells;  ///< in the coupon's order
+  std::vector<FanReading> fans;    ///< in the coupon's order
+  CellStatistics depth, alpha;     ///< of the logarithms; trends and repeatability
   TravelReading travel;
-  Bench bench;  ///< the cameras, lamp, face and map that explain the photos
+  Bench bench;  ///< cameras, lamp, face and affine machine calibration of the fit
   std::vector<PhotoFit> photos;
   std::vector<Finding> findings;
 };
@@ -80,8 +80,8 @@ struct CouponReadOptions {
   double finest_pixel_mm = 0.2;  ///< photos are binned to pixels of at least this size on the coupon
 };
 
-/// `told`: scratches.csv. `calibrated`: from calibrate(), with lamps. Throws Error for photos that show no coupon, and
-/// for scratches that are not the coupon's.
+/// `told` is scratches.csv; `calibrated` comes from calibrate(), with lamps. Throws Error for photos without a coupon,
+/// and for scratches of another coupon.
 CouponReading read_coupon_photos(std::span<const MergedView> photos, const Coupon& coupon, const Board& board,
                                  const Scratches& told, const Bench& calibrated, const CouponReadOptions& options = {},
                                  const Progress& progress = {});

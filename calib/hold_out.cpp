@@ -41,7 +41,7 @@ std::vector<std::vector<std::string>> hold_out_folds(const std::string& wanted, 
   constexpr std::size_t kUsualFolds = 4;
   if (views.size() <= fewest_left)
     refuse("leaves too few to solve from: at least " + std::to_string(fewest_left) + " must stay");
-  const std::size_t spare = views.size() - fewest_left;  // as many may be held out at a time
+  const std::size_t spare = views.size() - fewest_left;  // limit of views held out at a time
   std::vector<std::vector<std::string>> folds;
   const auto into_folds = [&](std::size_t count) {
     folds.resize(count);
@@ -81,7 +81,7 @@ std::vector<std::vector<std::string>> hold_out_folds(const std::string& wanted, 
 
 namespace {
 
-// One view that was held out: its corners as measured, in a bundle of their own with the fold's lens, bow and tags.
+// One held-out view: its measured corners, in a bundle of their own with the fold's lens, bow and tags.
 struct HeldOutBundle {
   Bundle bundle;
   std::set<int> first_half;  // of its tags: every other one around the board
@@ -96,7 +96,7 @@ HeldOutBundle held_out_bundle(const BoardSolution& solution, const BoardSolution
   HeldOutBundle out;
   out.bundle = fold.bundle;
   out.bundle.views = {known.T_camera_board};
-  // Its own lens is not known yet, but how much lenses differ is.
+  // Its own lens is unknown yet, but the lenses' scatter is known.
   out.bundle.view_lenses.clear();
   if (const auto at = static_cast<std::size_t>(view); at < solution.bundle.view_lenses.size())
     out.bundle.view_lenses = {solution.bundle.view_lenses[at]};
@@ -117,13 +117,13 @@ HeldOutBundle held_out_bundle(const BoardSolution& solution, const BoardSolution
   return out;
 }
 
-// SquaredErrors of the corners' errors, and what is to be expected of them, over both axes of each.
+// Squared errors of corners, and their expectation, over both axes of each.
 struct SquaredErrors {
   double sum = 0, expected = 0;
   std::size_t axes = 0;
 };
 
-// Poses from each half of the tags predict the corners of the other.
+// Predicts the corners of each half of the tags by the pose from the other half.
 SquaredErrors predict_halves(const HeldOutBundle& held) {
   BundleOptions pose_only;
   pose_only.fix_lens = pose_only.fix_bow = pose_only.fix_tags = true;
@@ -147,7 +147,7 @@ SquaredErrors predict_halves(const HeldOutBundle& held) {
       judged_axes += 2;
     }
     out.axes += judged_axes;
-    // The pose's uncertainty, seen by the corners that are judged: trace of P H.
+    // The pose's uncertainty projected to the predicted corners: trace of P H.
     for (ViewLens& lens : other.view_lenses) lens.prior = without_prior(lens.prior);
     const Eigen::MatrixXd H = bundle_equations(half, pose_only).views[0].H;
     const Eigen::MatrixXd H_other = bundle_equations(other, pose_only).views[0].H;
@@ -238,14 +238,14 @@ std::vector<PhotoFit> predict_photos(const Refinement& refined, std::span<const 
   data.model.alpha_jitter = refined.alpha_jitter;
   data.model.depth_jitter = refined.depth_jitter;
   const State state = state_of(bench, data);
-  // As fine as the fit looked at its photos.
+  // The resolution of the fit.
   data.photos = photos_at(views, refined.bin, board, bench, bench.sensor.psf_sigma_px / data.merged_bin);
   light_around(state, data);
   correct_binning(data, views, board, bench, state);
   const Carved carved = carved_at(data.model, state.of(0));
   std::vector<PhotoFit> out;
   for (std::size_t k = 0; k < data.photos.size(); ++k) {
-    // Outliers are counted with the model error that the fit's own photos showed.
+    // Counts outliers with the model error of the fit's own photos.
     PhotoData& photo = data.photos[k];
     const GrooveSlopes p = predict_with_slopes(data.model, photo, state.of(photo.photo.light), carved);
     for (std::size_t i = 0; i < photo.weight.size(); ++i)
@@ -269,7 +269,7 @@ std::vector<HeldOutPhoto> hold_out_pixels(const Refinement& refined, std::span<c
     std::vector<MergedView> used, held;
     for (const MergedView& photo : photos) (names.count(photo.view) ? held : used).push_back(photo);
     const Refinement without = refine(used, board, sent, measured, options, progress);
-    // The photo as used and as held out are judged alike: nothing fitted, the same resolution.
+    // The photo is judged in the same way as used and as held out: nothing is fitted, at the same resolution.
     const std::vector<PhotoFit> fits = predict_photos(refined, held, board, sent);
     const std::vector<PhotoFit> predictions = predict_photos(without, held, board, sent);
     for (const PhotoFit& prediction : predictions)

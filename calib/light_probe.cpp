@@ -22,19 +22,19 @@ namespace burin {
 namespace {
 
 constexpr double kMostClipped = 0.03;      // of the directions above the face
-constexpr double kBrightShare = 0.2;       // of the brightest pixel: what is darker is another light, or none
+constexpr double kBrightShare = 0.2;       // of the brightest pixel: darker pixels belong to another light, or none
 constexpr double kUsualReflectance = 0.6;  // polished steel
 constexpr double kDeg = 180 / std::numbers::pi;
 
 std::string in_percent(double share, int digits = 2) { return significant(100 * share, digits) + " %"; }
 
-// Everything on the way: a bracket of each view, and what is known of it.
+// Intermediate data: a bracket of each view, and its results.
 struct ProbeWork {
   Session session;
   std::vector<Bracket> brackets;
   std::vector<NoiseModel> noise;
   std::vector<ProbeGlance> glances;
-  std::vector<BallView> places;  // of the brackets, once poses are solved
+  std::vector<BallView> places;  // of the brackets, after the poses are solved
 
   std::filesystem::path file_of(std::size_t b) const {
     return session.photos[static_cast<std::size_t>(brackets[b].photos.front())].file;
@@ -44,7 +44,7 @@ struct ProbeWork {
     for (std::size_t b = 0; b < brackets.size(); ++b) out.push_back(file_of(b));
     return out;
   }
-  // Keeps those views alone.
+  // Keeps only these views.
   void keep(const std::vector<bool>& kept) {
     const auto thin = [&](auto& list) {
       std::size_t to = 0;
@@ -89,7 +89,7 @@ ProbeWork first_reading(const Session& given, const Board& board, const LightPro
   return work;
 }
 
-// Lens and poses by the tags; views that tell none are left out.
+// Solves lens and poses by the tags; leaves out views without enough of them.
 void solve_places(ProbeWork& work, const Board& believed, const LightProbeOptions& options, LightProbe& out,
                   const Progress& progress) {
   const PhotoSize size = photo_size(work.session);
@@ -127,7 +127,7 @@ void solve_places(ProbeWork& work, const Board& believed, const LightProbeOption
              " do not tell the lens, and their EXIF has no focal length",
          "give the lens (--camera camera.cameramodel, or --bench), or photograph ball and tags from three places");
   const BoardSolution solution = solve_board(board, pictures, size.width, size.height, solver, progress);
-  for (const Finding& finding : solution.findings)  // single corners are of no interest here
+  for (const Finding& finding : solution.findings)  // single corners do not matter here
     if (finding.severity != Finding::Severity::note) out.findings.push_back(finding);
   for (const std::string& name : solution.not_determined)
     if (!solver.fix_lens)
@@ -171,7 +171,7 @@ void solve_places(ProbeWork& work, const Board& believed, const LightProbeOption
            "and more without it"});
 }
 
-// The ball, first in the small pictures, then as the sensor saw it. Views that hide it are left out.
+// Finds the ball in the small pictures, then at full resolution. Views that hide it are left out.
 FittedBall solve_ball(ProbeWork& work, const Board& board, const LightProbeOptions& options,
                       std::vector<BallPicture>& pictures, LightProbe& out, const Progress& progress) {
   const BallHints hints{options.ball_mm, options.photographer_deg / kDeg};
@@ -208,8 +208,8 @@ FittedBall solve_ball(ProbeWork& work, const Board& board, const LightProbeOptio
 void tell_ball(const FittedBall& fit, LightProbe& out) {
   out.ball = fit.ball;
   out.radius_sigma_mm = fit.radius_sigma_mm;
-  // A ball that stands elsewhere than believed: its normals turn by that over its radius, directions twice as much.
-  // Edges err together where the ball shows like things along its rim: by a part of what they scatter.
+  // A displaced ball turns its normals by the displacement over its radius, and directions by twice as much. Edge
+  // errors are correlated if the ball shows like things along its rim: by a part of their scatter.
   constexpr double kTogether = 0.4;
   std::vector<double> scatter;
   for (const ProbePlace& place : out.places) scatter.push_back(place.outline_rms_px / place.radius_px);
@@ -290,7 +290,8 @@ void judge_exposures(const ProbeWork& work, LightProbe& out) {
        "add a shorter exposure, or name the sun as a light of its own (\"sun\" in bench.json)"});
 }
 
-// The reflectance that makes the ball's light the paper's: white paper sends albedo / pi of what falls on it.
+// Solves for the reflectance that makes the ball's light equal the paper's: white paper sends albedo / pi of its
+// irradiance.
 void solve_reflectance(const ProbeWork& work, const Board& board, const LightProbeOptions& options, LightProbe& out) {
   auto panorama = std::make_shared<Panorama>();
   panorama->radiance = out.radiance;
@@ -344,7 +345,7 @@ void solve_reflectance(const ProbeWork& work, const Board& board, const LightPro
           : "give --reflectance"));
 }
 
-// Pixels about the brightest that are not much darker than it, connected.
+// Connected pixels around the brightest one, not much darker.
 BrightestLight brightest_light(const Image& radiance) {
   Panorama frame;
   frame.radiance = Image(radiance.width, radiance.height, 3);

@@ -26,22 +26,22 @@
 namespace burin {
 namespace {
 
-// What is believed before the first photo, as sigmas: of logarithms, mm, or shares.
+// Priors before the first photo, as sigmas: of logarithms, mm, or shares.
 constexpr double kBelievedLog = 1;           // roughness, blur: a factor of e
-constexpr double kBelievedIntensityLog = 3;  // nobody knows a sensor's gain
+constexpr double kBelievedIntensityLog = 3;  // a sensor's gain is unknown
 constexpr double kBelievedScale = 0.005;     // the machine's scales, skew and turn
 constexpr double kBelievedShift_mm = 1;
 constexpr double kBelievedLampShare = 0.3;  // of its distance
 constexpr double kBelievedExponent = 10;
 constexpr double kBelievedAmbientShare = 0.5;  // of the lamp's light on paper
 
-// A parameter as the root mean square, or the largest, of some linear combinations' sigmas.
+// A parameter's sigma, as the root mean square, or the largest, over some linear combinations.
 struct Measure {
   PlanParameter parameter;
   bool of_light = false;
   bool worst = false;
   std::vector<Eigen::VectorXd> rows;  // scaled to the parameter's unit
-  int lamp = -1;                      // of a proposed lamp: where it stands is no aim in itself
+  int lamp = -1;                      // of a proposed lamp: its position is no goal
 
   double sigma(const Eigen::MatrixXd& covariance) const {
     double out = 0;
@@ -141,7 +141,7 @@ std::vector<Measure> light_measures(const Problem& data, const Bench& bench, std
   return out;
 }
 
-// Information of what is believed before.
+// Information of the priors.
 Eigen::MatrixXd light_prior(const Problem& data, const Bench& bench, Eigen::Index n, double paper, double depth_share) {
   Eigen::VectorXd sigma = Eigen::VectorXd::Constant(n, std::numeric_limits<double>::infinity());
   for (const int at : {unknown::log_alpha, unknown::log_base_alpha, unknown::log_blur}) sigma[at] = kBelievedLog;
@@ -175,7 +175,7 @@ std::vector<double> bracket_stops(const PredictedLight& light) {
   const double needed = std::log2(std::max(1e-9, kPaperAt * light.metal / light.paper / kGlintsAt));
   constexpr int kMost = 4;  // photos of a bracket
   while (stops.back() > -needed && static_cast<int>(stops.size()) < kMost)
-    stops.push_back(stops.back() - kStep);  // as a person is told who has no plan
+    stops.push_back(stops.back() - kStep);  // the same step as the advice without a plan
   return stops;
 }
 
@@ -219,13 +219,13 @@ void require_something_to_plan(const Board& board, const Bench& nominal, const S
   if (sent.size() == 0) fail("scratches", "there is none", "name the designed scratches, or plan with test strokes");
 }
 
-// Photos are fitted under one near lamp alone; the sun and surroundings are there to be looked at.
+// Photos are fitted only under one near lamp; sun and surroundings serve viewing.
 Bench under_near_lamps(Bench bench) {
   std::erase_if(bench.lights, [](const Light& light) { return !light.is_lamp(); });
   return bench;
 }
 
-// A place that is designed for another light is photographed under the first lamp.
+// Replaces the lamp of places designed for another light by the first lamp.
 PlanOptions under_lamps_of(const Bench& bench, PlanOptions options) {
   for (DesignedPlace& place : options.designed)
     if (!bench.lights.empty() && std::none_of(bench.lights.begin(), bench.lights.end(),
@@ -234,7 +234,7 @@ PlanOptions under_lamps_of(const Bench& bench, PlanOptions options) {
   return options;
 }
 
-// The nominal bench, with lamps at places that are proposed where more are allowed than it has.
+// The nominal bench, with lamps at proposed places if more are allowed than it has.
 Bench with_proposed_lamps(const Board& board, const Bench& nominal, const PlanOptions& options) {
   Bench bench = nominal;
   if (options.lamp_places > static_cast<int>(nominal.lights.size()))
@@ -243,7 +243,7 @@ Bench with_proposed_lamps(const Board& board, const Bench& nominal, const PlanOp
   return bench;
 }
 
-// What tags show from each place; lenses differ as much as the bench says.
+// Tags seen from each place; lenses scatter as in the bench.
 Bundle tags_from(const std::vector<CameraPlace>& places, const Board& board, const Bench& bench,
                  double corner_sigma_px) {
   Bundle bundle;
@@ -259,7 +259,7 @@ Bundle tags_from(const std::vector<CameraPlace>& places, const Board& board, con
   return bundle;
 }
 
-// How many times less well cameras are known for lenses that differ: the median over places, all that they share held.
+// Factor on the cameras' sigmas if lenses differ: the median over places, with all shared parameters held.
 double widening_by_own_lenses(const Bundle& bundle) {
   if (bundle.view_lenses.empty()) return 1;
   BundleOptions held;
@@ -274,7 +274,7 @@ double widening_by_own_lenses(const Bundle& bundle) {
   return times.empty() ? 1 : median_of(std::move(times));
 }
 
-// What grooves and paper tell from each direction under each lamp: [direction][lamp].
+// Information of grooves and paper from each direction under each lamp: [direction][lamp].
 using LightTable = std::vector<std::vector<LightCandidate>>;
 LightTable light_from(const std::vector<CameraPlace>& places, const Problem& data, const State& state,
                       const Bench& bench, const PlanOptions& options, const Progress& progress) {
@@ -295,7 +295,7 @@ LightTable light_from(const std::vector<CameraPlace>& places, const Problem& dat
   return out;
 }
 
-// One depth that the grooves may have: what shots would tell of them, and what those taken so far have told.
+// One hypothesis of the grooves' depth: information of candidate shots, and of the shots taken so far.
 struct AtDepth {
   double depth_um = 0;
   LightTable light;
@@ -303,7 +303,7 @@ struct AtDepth {
   Straddle straddle{};
 };
 
-// The shots taken so far, and what they tell.
+// The shots taken so far, and their information.
 struct Planning {
   const Board& board;
   const Bench& bench;
@@ -317,7 +317,7 @@ struct Planning {
   std::set<std::size_t> lamps_used{};
   std::set<std::pair<std::size_t, std::size_t>> taken{};  // direction, lamp
 
-  // The sum of what measures of one kind are worth; `sigmas`, if given, gets the worst of them.
+  // The sum over measures of one kind; `sigmas`, if given, gets the worst of them.
   double score(bool of_light, const Eigen::MatrixXd& covariance, bool straddles, std::vector<double>* sigmas) const {
     double sum = 0;
     for (std::size_t i = 0; i < measures.size(); ++i) {
@@ -341,7 +341,7 @@ struct Planning {
     return depths.front().light[direction][lamp].light.paper > 0;
   }
 
-  // With one photo more, at the depth where all photos then tell least.
+  // Score with one more photo, at the least informative depth.
   double worst_light_score(std::size_t direction, std::size_t lamp) const {
     double worst = -std::numeric_limits<double>::infinity();
     for (const AtDepth& at : depths) {
@@ -353,7 +353,7 @@ struct Planning {
     return worst;
   }
 
-  // The place and the lamp after which all sigmas together are best; nothing where no place is left.
+  // The place and the lamp with the best score; empty if no place is left.
   std::optional<std::pair<std::size_t, std::size_t>> best_shot() const {
     // Light and geometry share no unknown, so a shot's worth is the sum of both.
     constexpr double kNever = std::numeric_limits<double>::infinity();
@@ -378,7 +378,7 @@ struct Planning {
     return out;
   }
 
-  // The sigmas now: of light at these depths, the worst of them.
+  // The present sigmas: of light, the worst at these depths.
   std::vector<double> sigmas_now(std::span<const AtDepth> at_depths) const {
     std::vector<double> out(measures.size(), 0);
     score(false, inverse_information(H_geometry), false, &out);
@@ -410,7 +410,7 @@ struct Planning {
   }
 };
 
-// The depths that a plan must hold for, least first, and what photos would tell of each.
+// The depths of a plan, least first, with the photos' information at each.
 std::vector<AtDepth> depths_of(const std::vector<CameraPlace>& places, const Problem& data, const Bench& bench,
                                const PlanOptions& options, const Progress& progress) {
   std::vector<double> factors{1};
@@ -514,7 +514,7 @@ Plan plan_shots(const Board& whole_board, const Bench& whole_bench, const Sent& 
     out.at_depth.push_back({at.depth_um, at.straddle.both(), planning.sigmas_now({&at, 1})});
     out.straddles = out.straddles && at.straddle.both();
   }
-  // Of the lamps that were proposed, only those that serve a shot are told.
+  // Proposed lamps are reported only if a shot uses them.
   for (std::size_t i = measures.size(); i-- > 0;)
     if (measures[i].lamp >= 0 && !planning.lamps_used.count(static_cast<std::size_t>(measures[i].lamp))) {
       out.parameters.erase(out.parameters.begin() + static_cast<std::ptrdiff_t>(i));

@@ -1,12 +1,13 @@
-// burin/calib/plan.h - which photos to take of a board, before the first one: places of the camera and of the lamp,
-// chosen one after the other by what they would tell.
+// burin/calib/plan.h - plans the photos of a board before the first one. It chooses viewpoints and lamp positions one
+// after the other, by their added information.
 //
-// Each shot is the one, of all candidates (burin/calib/verdict/candidate_photo.h), after which
+// Each shot is the candidate (burin/calib/verdict/candidate_photo.h) after which
 //   sum over parameters of log(sigma^2 + goal^2)
-// is smallest: halving an uncertainty is worth the same for every parameter, until it reaches its goal. Sigmas are
-// those of the normal equations of all shots so far and what is believed before; the depth of the grooves counts as
-// unknown until half vectors lie on both sides of the cut-off (docs/model.md 2.4). The nominal bench has only to be
-// about right; above all the depth is a guess before the first photos, so a plan holds for the depth believed, for one
+// is smallest. Halving an uncertainty is worth the same for every parameter, until it reaches its goal. Sigmas come
+// from the normal equations of all shots so far and of the priors. Groove depth counts as unknown until half vectors
+// are on both sides of the cut-off (docs/model.md 2.4). The nominal bench has only to be about right. Above all the
+// depth is a guess before the first photos. A plan therefore covers the prior depth, 30 % less and 30 % more; the worst
+// of the three sums counts. Frame: board, mm.
 // 30 % less and for one 30 % more: of the three sums the worst counts. Frame: board, mm.
 #pragma once
 
@@ -23,81 +24,81 @@
 
 namespace burin {
 
-/// A place that is photographed whatever it tells: an eye that a board is designed for.
+/// A viewpoint that is photographed in any case: an eye that a board is designed for.
 struct DesignedPlace {
   std::string view;  ///< its name
   Eigen::Vector3d center_mm{0, 0, 0};
   std::string light;  ///< id of its lamp
 };
 
-/// How many photos a plan may ask for, and what it assumes of them.
+/// Number of photos in a plan, and assumptions about them.
 struct PlanOptions {
-  int shots = 8;                             ///< beside the designed places
+  int shots = 8;                             ///< besides the designed places
   std::vector<DesignedPlace> designed = {};  ///< these come first
-  /// What is sharp with the one focus that all photos keep: no shot but the designed places lies outside of it.
-  /// Nothing: anywhere.
+  /// Range that is sharp with the one focus of all photos. No shot except the designed places is outside of it. Empty:
+  /// anywhere.
   std::optional<FocusRange> focus = {};
-  /// How far the depth of the grooves may be from the nominal bench's: one sigma, and every shot is judged where it
-  /// tells least, at the believed depth, at one so much less and at one so much more.
+  /// Relative sigma of the nominal bench's groove depth. Every shot is judged at the least informative of three depths:
+  /// the prior's, one sigma less and one sigma more.
   double depth_share = 0.3;
-  int lamp_places = 1;            ///< at how many places lamps may stand in all; above the bench's, they are proposed
+  int lamp_places = 1;            ///< number of lamp positions in all; positions beyond the bench's are proposed
   bool fix_lens = false;          ///< the lens is known
   double corner_sigma_px = 0.02;  ///< of a tag's corner, per axis
   LightCandidateOptions light;
-  /// How many times larger the light's sigmas are than those of independent errors: what the model misses is alike in
-  /// neighboring pixels and photos. A cautious guess: docs/calibration.md.
+  /// Factor of the light's sigmas over those of independent errors: unmodeled effects are alike in neighboring pixels
+  /// and photos. A cautious guess: docs/calibration.md.
   double inflation = 4;
 };
 
-/// Something that the photos are to determine.
+/// A quantity for the photos to determine.
 struct PlanParameter {
   std::string name;  ///< as in bench.json's verdict
   Unit unit = Unit::none;
   double goal = 0;    ///< a sigma that is good enough
-  double before = 0;  ///< what is believed to be known without a photo
+  double before = 0;  ///< sigma of the prior, without a photo
 };
 
-/// One place to photograph from, under one lamp.
+/// One viewpoint under one lamp.
 struct PlannedShot {
   std::string view;  ///< of a designed place; else empty
   CameraPlace camera;
   std::size_t light = 0;  ///< index into Plan::bench.lights
-  /// Exposures of the bracket in stops, relative to the one that shows the tags' white paper at 60 % of white: 0 for
-  /// paper, then shorter ones until the glints are held.
+  /// Exposures of the bracket in stops, relative to the one with the tags' white paper at 60 % of white: 0 for paper,
+  /// then shorter ones until the glints are unclipped.
   std::vector<double> stops;
   double paper_radiance = 0;  ///< predicted, in units of gain = 1: a measured bench's exposure follows from it
-  std::vector<double> sigma;  ///< of each Plan::parameters after this shot and those before; the worst of all depths
+  std::vector<double> sigma;  ///< of each Plan::parameters after this and all earlier shots; the worst of all depths
 };
 
-/// What all shots together would tell of grooves of one depth.
+/// Information of all shots together about grooves of one depth.
 struct PlanAtDepth {
   double depth_um = 0;
-  bool straddles = false;     ///< whether half vectors straddle the cut-off
+  bool straddles = false;     ///< half vectors are on both sides of the cut-off
   std::vector<double> sigma;  ///< of each Plan::parameters
 };
 
-/// Photos to take, and what they would tell.
+/// Photos to take, and their expected information.
 struct Plan {
-  Bench bench;  ///< the nominal bench that was planned for; lamps that were proposed are added
+  Bench bench;  ///< the nominal bench of the plan, with proposed lamps added
   std::vector<PlanParameter> parameters;
   std::vector<PlannedShot> shots;
-  bool straddles = false;             ///< whether half vectors straddle the cut-off, at every depth
+  bool straddles = false;             ///< half vectors are on both sides of the cut-off, at every depth
   std::vector<PlanAtDepth> at_depth;  ///< the least depth first
   /// Designed places from which this lens sees no tag large enough: not among the shots.
   std::vector<std::string> unseen;
-  /// How many times less well cameras are known because lenses differ from photo to photo, as the bench says
-  /// (Bench::lens_scatter): as many tags or photos as its square would make up for it. 1: they do not.
+  /// Factor by which cameras are known less well because lenses differ between photos (Bench::lens_scatter). Its square
+  /// times the tags or photos makes up for it. 1: they do not differ.
   double own_lens_widening = 1;
 };
 
-/// Plans for `nominal`: its lens, its lamps (each shot is taken under one of them; several are places that the lamp can
-/// be put at), its material. The sun and surroundings are left out: places that are designed for them are photographed
-/// under the first lamp. Throws Error for a board without tags, a bench without lamps, no scratches, fewer than one
-/// shot, and where there is nothing to plan: no place within the focus sees the whole board, no designed place a tag.
+/// Plans for `nominal`: its lens, its material and its lamps. Each shot is taken under one lamp; several lamps are
+/// places for one lamp. Sun and surroundings are left out: places designed for them are photographed under the first
+/// lamp. Throws Error for a board without tags, a bench without lamps, no scratches, and fewer than one shot. Also
+/// throws if nothing can be planned: no place within the focus sees the whole board, and no designed place sees a tag.
 Plan plan_shots(const Board& board, const Bench& nominal, const Sent& sent, const PlanOptions& options = {},
                 const Progress& progress = {});
 
-/// Strokes in all directions over the carve area, for planning before there is a design.
+/// Strokes in all directions over the carve area, for planning without a design.
 Sent test_strokes(const Board& board);
 
 }  // namespace burin
