@@ -21,7 +21,7 @@
 namespace burin {
 namespace {
 
-// The intensity that a lamp at `position` must have for the white paper to be as bright as it is: the samples' median.
+// Intensity of a lamp at `position` that gives the white paper its brightness: the samples' median.
 double log_intensity_for(const LampData& data, std::size_t light, const Eigen::Vector3d& position, double& log_spread) {
   std::vector<double> ratios;
   LampModel<double> lamp{position, 0, {0, 0}, 0};
@@ -39,7 +39,7 @@ double log_intensity_for(const LampData& data, std::size_t light, const Eigen::V
   return median_of(ratios);
 }
 
-// Where lamps may be: shading's closed form, and a ring around the board at two heights and distances.
+// Initial guesses of positions: shading's closed form, and a ring around the board at two heights and distances.
 std::vector<Eigen::Vector3d> starts_for(const LampData& data, std::size_t light) {
   std::map<int, std::vector<double>> white, black;
   std::map<int, Eigen::Vector3d> where;
@@ -95,9 +95,10 @@ std::optional<Eigen::Vector3d> lamp_from_shading(std::span<const Eigen::Vector3d
 
 namespace {
 
-// Places of a bent board may turn away from a start, where only ambient light explains that they are not black.
+// Initial ambient light. Places of a bent board may face away from a start; only ambient light explains their
+// brightness.
 double ambient_to_start(const LampData& data, std::size_t light, const Eigen::Vector3d& start) {
-  constexpr double kLittle = 0.02;  // of what paper and face show
+  constexpr double kLittle = 0.02;  // of the values of paper and face
   std::vector<double> values;
   bool turns_away = false;
   for (const LightSample& sample : data.samples) {
@@ -108,11 +109,11 @@ double ambient_to_start(const LampData& data, std::size_t light, const Eigen::Ve
   return turns_away ? kLittle * median_of(std::move(values)) : 0;
 }
 
-// A bare lamp from each start, by that lamp's own samples; the best. Not usable where there are too few samples, or no
-// lamp explains them, which is told.
+// Fits a bare lamp from each start to its own samples, and returns the best. Not usable, with a finding, if there are
+// too few samples or no lamp explains them.
 LampFit fit_from_starts(const LampData& data, const LampParameters& blocks, std::size_t light, const std::string& id,
                         std::vector<Finding>& findings) {
-  // A few hundred samples of the face say which start leads where; some more then say where that is.
+  // A few hundred samples of the face choose the best start; more samples then refine it.
   constexpr std::size_t kFewestSamples = 8, kToChoose = 400, kMostSamples = 1500;
   std::size_t count = 0, white = 0;
   for (const LightSample& s : data.samples) {
@@ -159,7 +160,7 @@ void put_area(const LampSize& size, LampBlocks& lamp) {
   lamp.area[2] = by * (yy + root);
 }
 
-// Bare lamps that paper alone tells.
+// Bare lamps from paper alone.
 LampParameters lamps_by_paper(const LampData& data, const std::vector<bool>& usable, const Board& board,
                               const Bench& bench) {
   std::vector<LightSample> paper;
@@ -170,7 +171,7 @@ LampParameters lamps_by_paper(const LampData& data, const std::vector<bool>& usa
   LampParameters out;
   out.lamps.resize(usable.size());
   out.shared[0] = std::log(board.material.base_alpha);
-  std::vector<Finding> told;  // before
+  std::vector<Finding> told;  // findings repeated from before
   for (std::size_t light = 0; light < usable.size(); ++light) {
     if (!usable[light]) continue;
     if (data.given_area[light]) put_area(bench.lights[light].size, out.lamps[light]);
@@ -185,7 +186,7 @@ LampArea moments_of_area(const LampBlocks& lamp) {
   return {0.5 * (xx * xx + 2 * xy * xy + yy * yy), {0.5 * (xx * xx - yy * yy), xy * (xx + yy)}};
 }
 
-// Residuals in the robust loss's core: their RMS, and the factor by which they exceed what was expected of them.
+// Residuals in the robust loss's core: their RMS, and the factor by which they exceed their expectation.
 std::pair<double, double> core_residuals(const LampData& data, const std::vector<bool>& usable, const LampFit& fit) {
   double sum = 0, sum_weighted = 0;
   std::size_t core = 0;
@@ -205,7 +206,7 @@ std::pair<double, double> core_residuals(const LampData& data, const std::vector
           std::max(1.0, std::sqrt(sum_weighted / static_cast<double>(core)))};
 }
 
-// Of base_alpha, ambient light and vignetting, where these are larger than those before.
+// Replaces sigmas of base_alpha, ambient light and vignetting by these if larger.
 void take_larger_sigmas(const SharedSigma& sigma, LampSeed& seed) {
   seed.base_alpha_sigma = std::max(seed.base_alpha_sigma, seed.base_alpha * sigma[0]);
   seed.ambient_sigma = std::max(seed.ambient_sigma, sigma[1]);
@@ -249,13 +250,13 @@ void fill_seed(const LampData& data, const std::vector<bool>& usable, const std:
   }
 }
 
-// Scatter, as standard deviations, of what a fit says when groups of samples are left out in turn (the jackknife).
+// Scatter of a fit, as standard deviations, with groups of samples left out in turn (the jackknife).
 struct GroupScatter {
   std::vector<Eigen::Vector3d> position_mm;  // of each lamp, per axis
   SharedSigma shared = SharedSigma::Zero();
 };
 
-// The jackknife's standard deviation of each row, a column a fit without a group; 0 where there are too few groups.
+// The jackknife's standard deviation of each row; 0 with too few groups. Each column is a fit without one group.
 Eigen::VectorXd jackknife_sigma(const Eigen::MatrixXd& answers) {
   const auto n = static_cast<double>(answers.cols());
   if (n < 3) return Eigen::VectorXd::Zero(answers.rows());
@@ -263,8 +264,8 @@ Eigen::VectorXd jackknife_sigma(const Eigen::MatrixXd& answers) {
   return ((n - 1) / n * (answers.colwise() - mean).rowwise().squaredNorm()).cwiseSqrt();
 }
 
-// What is left out decides nothing, so a group of which a lamp is not seen adds nothing to its scatter. `group_of`:
-// from 0 to `groups` - 1, or -1 for what is never left out. One sample of the face in `thin` counts: it has enough.
+// A left-out group decides nothing, so a group without samples of a lamp adds nothing to its scatter. `group_of`: from
+// 0 to `groups` - 1, or -1 for samples never left out. One in `thin` of the face's samples counts, which suffices.
 template <typename GroupOf>
 GroupScatter scatter_by_groups(const LampData& data, const LampFit& fit, const std::vector<bool>& spot, int groups,
                                std::size_t thin, GroupOf group_of) {
@@ -297,14 +298,14 @@ GroupScatter scatter_by_groups(const LampData& data, const LampFit& fit, const s
   return out;
 }
 
-// How far a sample of the face is from the lamp's mirror image: the tangent of the half vector's lean.
+// Distance of a sample of the face from the lamp's mirror image: the tangent of the half vector's lean.
 double lean_of(const LightSample& sample, const LampFit& fit) {
   const Eigen::Vector3d lamp = Eigen::Vector3d::Map(fit.blocks.lamps[sample.light].position);
   const Eigen::Vector3d h = (lamp - sample.p_board).normalized() + sample.to_camera;
   return h.cross(sample.normal).norm() / std::max(1e-9, h.dot(sample.normal));
 }
 
-// Three edges between four groups of the face's samples, alike in number, by their lean.
+// Three edges between four groups of the face's samples by lean, of equal size.
 std::array<double, 3> lean_edges(const LampData& data, const LampFit& fit) {
   std::vector<double> leans;
   for (const LightSample& sample : data.samples)
@@ -315,8 +316,8 @@ std::array<double, 3> lean_edges(const LampData& data, const LampFit& fit) {
   return out;
 }
 
-// Makes sigmas larger where photos, places on the board, or the highlight's middle and its wings contradict each other
-// more than independent errors would: streaks of a brushed face, or a lobe that is not the model's, are no noise.
+// Increases sigmas if groups contradict each other more than independent errors would. Groups are photos, places on the
+// board, and the highlight's middle and wings. Streaks of a brushed face, or an unmodeled lobe, are not noise.
 void widen_by_groups(const LampData& data, const LampFit& fit, const std::vector<bool>& spot, LampSeed& seed) {
   constexpr int kGroups = 8, kAcross = 3;
   constexpr std::size_t kThin = 4;
@@ -367,7 +368,7 @@ LampSeed fit_lamps(std::span<const LightSample> samples, const Board& board, con
   blocks.shared[0] = std::log(board.material.base_alpha);
   std::vector<bool> usable(bench.lights.size(), false), point(bench.lights.size(), false);
   for (std::size_t light = 0; light < bench.lights.size(); ++light) {
-    if (!bench.lights[light].is_near()) continue;  // given, and known by their scale
+    if (!bench.lights[light].is_near()) continue;  // given, with a scale as the only unknown
     data.given_area[light] = !bench.lights[light].size.is_point();
     if (data.given_area[light]) put_area(bench.lights[light].size, blocks.lamps[light]);
     const LampFit best = fit_from_starts(data, blocks, light, bench.lights[light].id, seed.findings);
@@ -379,14 +380,15 @@ LampSeed fit_lamps(std::span<const LightSample> samples, const Board& board, con
   LampShapes shapes;
   shapes.spot.resize(usable.size(), false);
   shapes.moved_mm.resize(usable.size(), Eigen::Vector3d::Zero());
-  // Faces that show hardly more than what is around pull lamps that are sought one by one far aside; paper does not.
+  // A face with little light beyond the surroundings' pulls lamps far off if they are fitted one by one; paper does
+  // not.
   const LampParameters by_paper = lamps_by_paper(data, usable, board, bench);
   shapes.fit = best_lamp_fit(data, std::array{blocks, by_paper}, shapes.spot);
   if (!shapes.fit.usable) return seed;
   if (options.fit_spot) try_spots(data, usable, shapes);
-  // A face that is brushed, or whose highlight a large lamp draws out, hides a spot's fall-off as long as it is not.
+  // A brushed face, or a highlight stretched by a large lamp, masks a spotlight's falloff until it is modeled.
   if (try_areas_and_coats(data, point, shapes) && options.fit_spot) try_spots(data, usable, shapes);
-  // Paper and face that are explained to within some expected errors leave nothing to another lamp.
+  // If residuals of paper and face are within some expected errors, no evidence is left for another lamp.
   constexpr double kWellExplained = 0.2;
   const bool doubtful = shapes.fit.cost > kWellExplained * static_cast<double>(samples.size());
   if (doubtful && usable == point && try_stray(data, by_paper, shapes)) {

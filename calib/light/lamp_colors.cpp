@@ -56,7 +56,7 @@ std::vector<Eigen::Vector3d> paper_light(const MergedView& view, const TagsInPho
 
 namespace {
 
-// Of the light of paper in the board's middle, what is ambient light (model.md 5.6).
+// Share of ambient light in the light on paper in the board's middle (model.md 5.6).
 double ambient_share(const Light& light, const Board& board, const Bench& bench) {
   const Eigen::Vector3d way = light.position_mm - Eigen::Vector3d(board.size_mm.x() / 2, board.size_mm.y() / 2, 0);
   const double distance = way.norm(), beam = std::max(0.0, -light.axis.dot(way) / distance);

@@ -31,7 +31,8 @@ bool is_finite(const ceres::Jet<double, N>& v) {
   return std::isfinite(v.a) && v.v.allFinite();
 }
 
-// log(model / photo) over its expected error: brightness runs over three decades between highlight and shade.
+// log(model / photo) over its expected error. Logarithms, since brightness covers three decades from highlight to
+// shade.
 struct LogResidual {
   const LightSample* sample;
   double albedo, f0, weight;
@@ -60,7 +61,7 @@ struct LogResidual {
   }
 };
 
-// The same beside a lamp that nobody named.
+// LogResidual with an unmodeled lamp in addition.
 struct StrayResidual {
   LogResidual of_point;
   double distance_mm;
@@ -76,7 +77,7 @@ struct StrayResidual {
   }
 };
 
-// The same under a lamp with an area: by seven points of an ellipse (Radon's, of the fifth degree).
+// LogResidual of an area light: by seven points of an ellipse (Radon's rule of the fifth degree).
 struct AreaResidual {
   LogResidual of_point;
   Eigen::Matrix<double, 3, 2> across;  // across_axis()
@@ -103,7 +104,7 @@ struct SharedPrior {
 
   template <typename T>
   bool operator()(const T* shared, T* residual) const {
-    constexpr double kSigmaBaseAlpha = 1.0;  // wide: it matters only where photos say nothing
+    constexpr double kSigmaBaseAlpha = 1.0;  // wide: it matters only without information from photos
     residual[0] = (shared[0] - log_base_alpha) / kSigmaBaseAlpha;
     for (int i = 0; i < 3; ++i) residual[1 + i] = shared[2 + i] / kVignettePriorSigma[i];
     return true;
@@ -126,11 +127,11 @@ Eigen::Matrix<double, 3, 2> across_axis_of(const LampBlocks& lamp) {
   return across_axis((Eigen::Vector3d(lamp.spot[0], lamp.spot[1], 0) - lamp.place()).normalized(), 0);
 }
 
-// Paper and face as Ceres' residual blocks on `at`. Returns which lamps have any.
+// Adds paper and face as Ceres' residual blocks on `at`. Returns a flag for each lamp with any.
 std::vector<bool> add_samples(const LampData& data, const LampFitOptions& options, LampParameters& at,
                               ceres::Problem& problem) {
   std::vector<bool> used(at.lamps.size(), false);
-  std::vector<Eigen::Matrix<double, 3, 2>> across;  // held: it turns little while a lamp moves
+  std::vector<Eigen::Matrix<double, 3, 2>> across;  // held: it rotates little while a lamp moves
   for (const LampBlocks& lamp : at.lamps) across.push_back(across_axis_of(lamp));
   std::size_t face_seen = 0;
   for (const LightSample& sample : data.samples) {
@@ -161,7 +162,7 @@ std::vector<bool> add_samples(const LampData& data, const LampFitOptions& option
   return used;
 }
 
-// Priors and bounds of what paper, face and photos share; what is not asked for is held.
+// Sets priors and bounds of the parameters shared by paper, face and photos; holds the ones not requested.
 void hold_shared(const LampFitOptions& options, LampParameters& at, ceres::Problem& problem) {
   problem.AddResidualBlock(new ceres::AutoDiffCostFunction<SharedPrior, 4, kShared>(new SharedPrior{at.shared[0]}),
                            nullptr, at.shared);
@@ -197,7 +198,7 @@ void hold_shared(const LampFitOptions& options, LampParameters& at, ceres::Probl
   if (!options.fit_vignette) problem.SetManifold(at.shared, new ceres::SubsetManifold(kShared, {2, 3, 4}));
 }
 
-// The same of one lamp.
+// Sets priors and bounds of one lamp.
 void hold_lamp(const LampData& data, bool given_area, bool is_spot, LampBlocks& lamp, ceres::Problem& problem) {
   problem.SetParameterLowerBound(lamp.position, 2, 0.05 * data.reach_mm);
   if (lamp.has_area() && given_area) problem.SetParameterBlockConstant(lamp.area);
@@ -251,7 +252,7 @@ LampFit fit_lamp_parameters(const LampData& data, const LampParameters& start, c
   solver.max_num_iterations = options.iterations;
   solver.logging_type = ceres::SILENT;
   solver.num_threads = 1;  // sums in one order: the same bits in every run
-  // Where there are bounds each step is searched along: by costs alone, since a cubic would take all derivatives anew.
+  // With bounds, each step has a line search: by costs alone, since a cubic would need all derivatives again.
   solver.line_search_interpolation_type = ceres::QUADRATIC;
   ceres::Solver::Summary summary;
   ceres::Solve(solver, &problem, &summary);

@@ -1,6 +1,6 @@
-// burin/calib/light/lamp_fit.h - one least-squares fit of lamps, face, ambient light and vignetting to the brightness
-// of paper and plain face; lamp.h begins it from several places, lamp_shapes.h asks what else they may be.
-// docs/model.md 9 'Lamp'. Frame: board, mm.
+// burin/calib/light/lamp_fit.h - fits lamps, face, ambient light and vignetting to the brightness of paper and plain
+// face by least squares. lamp.h supplies the starts; lamp_shapes.h tries other shapes. docs/model.md 9 'Lamp'. Frame:
+// board, mm.
 #pragma once
 
 #include <Eigen/Core>
@@ -16,14 +16,14 @@
 
 namespace burin {
 
-/// What is fitted, and by how much it may differ from the model.
+/// Data of a fit, and the model error.
 struct LampData {
   std::span<const LightSample> samples;
   const Board* board;
-  double f0 = 1, reach_mm = 1;  ///< the face's, mean of the channels; the board's diagonal
+  double f0 = 1, reach_mm = 1;  ///< of the face, mean of the channels; the board's diagonal
   Eigen::Vector2d center_mm{0, 0};
   double model_error = 0.02;     ///< LampOptions::model_error
-  std::vector<bool> given_area;  ///< of each lamp: whether a person told its area, which is held
+  std::vector<bool> given_area;  ///< of each lamp: a person gave its area, which is held
 };
 
 /// A lamp's parameters, in the arrays that Ceres moves.
@@ -31,32 +31,32 @@ struct LampBlocks {
   double position[3] = {0, 0, 1};
   double log_intensity[1] = {0};
   double spot[3] = {0, 0, 0};  ///< aim x, aim y (LampModel::aim_mm), exponent
-  /// The ellipse that stands for a lamp's area, mm: the symmetric matrix xx, xy, yy that takes the unit disk to it,
-  /// across the axis. All 0: a point.
+  /// The ellipse of an area light, mm, across the axis: the symmetric matrix xx, xy, yy that maps the unit disk to it.
+  /// All 0: a point.
   double area[3] = {0, 0, 0};
 
   bool has_area() const { return area[0] != 0 || area[1] != 0 || area[2] != 0; }
   Eigen::Vector3d place() const { return Eigen::Vector3d::Map(position); }
 };
 
-/// Of a lamp from the board's middle.
+/// Distance of a lamp from the board's middle.
 inline double distance_mm(const LampData& data, const LampBlocks& lamp) {
   return (lamp.place() - Eigen::Vector3d(data.center_mm.x(), data.center_mm.y(), 0)).norm();
 }
 
-/// All that is fitted.
+/// All fitted parameters.
 struct LampParameters {
   std::vector<LampBlocks> lamps;
   double shared[5] = {0, 0, 0, 0, 0};  ///< log base_alpha, ambient, v1, v2, v3
-  double grain[2] = {0, 0};            ///< FaceGrain's c and s; both 0: held there
-  double gloss[2] = {0, 0.3};          ///< PaperGloss; f0 0: held there
-  /// A bare lamp that nobody named, beside each of the others: where it is seen from the board's middle (x / z and y /
-  /// z), and the logarithm of its radiant intensity over the square of its distance, which is held. Beside points only.
+  double grain[2] = {0, 0};            ///< FaceGrain's c and s; both 0: held at 0
+  double gloss[2] = {0, 0.3};          ///< PaperGloss; f0 0: held at 0
+  /// An unmodeled bare lamp next to each of the others. Its direction from the board's middle (x / z and y / z), and
+  /// the logarithm of its radiant intensity over the square of its distance. The distance is held. Point lamps only.
   double stray[3] = {0, 0, 0};
   double stray_distance_mm = 0;  ///< 0: none
 };
 
-/// The lamp that `stray` says.
+/// The lamp with the parameters `stray`.
 template <typename T>
 LampModel<T> stray_of(const T* stray, double distance_mm, const Eigen::Vector2d& center_mm) {
   LampModel<T> out;
@@ -77,28 +77,27 @@ struct LampFit {
   LampParameters blocks;
   double cost = std::numeric_limits<double>::infinity();
   bool usable = false;
-  std::vector<Eigen::Matrix3d> position_covariance;  ///< of each lamp, where asked for; all -1: not known
+  std::vector<Eigen::Matrix3d> position_covariance;  ///< of each lamp, if requested; all -1: not known
   SharedSigma shared_sigma = SharedSigma::Zero();
 };
 
 struct LampFitOptions {
-  int only_light = -1;     ///< from 0: by that lamp's samples alone
-  std::size_t stride = 1;  ///< of the face's samples one in so many
+  int only_light = -1;     ///< from 0: use this lamp's samples alone
+  std::size_t stride = 1;  ///< of the face's samples, one in this many
   bool fit_vignette = true;
   int iterations = 60;
   bool covariance = false;
 };
 
-/// Fits from `start`. `spot[i]`: whether lamp i's aim and exponent move, or are held. An area moves where it is one.
+/// Fits from `start`. `spot[i]`: lamp i's aim and exponent move; otherwise they are held. An area moves if it is not 0.
 LampFit fit_lamp_parameters(const LampData& data, const LampParameters& start, const std::vector<bool>& spot,
                             const LampFitOptions& options = {});
 
-/// The best of the fits from several starts, which run side by side; the first of those that are equally good. Not
-/// usable where none is.
+/// The best fit from several starts, which run in parallel; the first of equally good ones. Not usable if no fit is.
 LampFit best_lamp_fit(const LampData& data, std::span<const LampParameters> starts, const std::vector<bool>& spot,
                       const LampFitOptions& options = {});
 
-/// log(photo / model) of one sample at these parameters; none where the model has no light there.
+/// log(photo / model) of one sample at these parameters; empty if the model has no light there.
 std::optional<double> log_residual(const LampData& data, const LampParameters& at, const LightSample& sample);
 
 }  // namespace burin

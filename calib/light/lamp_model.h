@@ -1,5 +1,5 @@
-// burin/calib/light/lamp_model.h - what paper and plain face send under a lamp, over any scalar type: Ceres' and
-// double. docs/model.md 5. Frame: board, mm.
+// burin/calib/light/lamp_model.h - light of paper and plain face under a lamp, over any scalar type: Ceres' and double.
+// docs/model.md 5. Frame: board, mm.
 #pragma once
 
 #include <Eigen/Core>
@@ -17,41 +17,41 @@
 
 namespace burin {
 
-/// Whether a lamp's area, which reaches so far from its middle, turns half vectors by so little of a roughness that
-/// slopes of glints differ from the middle's by half a per cent at most: the curvature of a lobe, 4 / alpha^2, times
-/// half the variance of half vectors.
+/// True if a lamp's area is too small to change derivatives of glints by more than half a percent. `reach_mm` is the
+/// area's reach from its middle. The change is the curvature of a lobe, 4 / alpha^2, times half the variance of half
+/// vectors.
 inline bool is_small_lamp(double reach_mm, double distance_mm, double roughness) {
   constexpr double kOfRoughness = 0.1;
   return 0.5 * reach_mm < kOfRoughness * roughness * distance_mm;
 }
 
-/// A lamp as the fits move it. A spot's axis points from the lamp at `aim` on the plane z = 0 of the board, so that it
-/// always points at the board's side; exponent 0 is a bare lamp, for which `aim` means nothing.
+/// A lamp in the fits. A spotlight's axis points from the lamp at `aim` on the plane z = 0 of the board, so it always
+/// points at the board's side. Exponent 0 is a bare lamp; then `aim` has no meaning.
 template <typename T>
 struct LampModel {
   Eigen::Matrix<T, 3, 1> position_mm;
   T log_intensity;
   Eigen::Matrix<T, 2, 1> aim_mm;
   T exponent;
-  /// Of a point of a lamp with an area from its middle, which the axis begins at.
+  /// Offset of a point of an area light from its middle, the origin of the axis.
   Eigen::Matrix<T, 3, 1> offset_mm = Eigen::Matrix<T, 3, 1>::Zero();
 };
 
-/// Of a lamp with an area whose fall-off nothing tells: a plane's that shines alike into all directions; and what it
-/// may be off by.
+/// Exponent of an area light whose falloff no data constrain: a plane with equal radiance in all directions; and its
+/// sigma.
 inline constexpr double kPlaneExponent = 1, kPlaneExponentSigma = 0.5;
 
-/// The smoothest plain face that fits may find. Mirrors have less than 0.001; all that photos from beside their
-/// highlight show of it is that it is dark, and a face that may not be so dark turns lamps away from it.
+/// Lower bound of base_alpha in fits. Mirrors have less than 0.001. Photos away from their highlight show only a dark
+/// face. With a larger bound, fits would turn lamps away from the face.
 inline constexpr double kSmoothestFace = 1e-4;
 
-/// Albedo of a tag's white or black paper, as board.json gives it.
+/// Albedo of a tag's white or black paper, from board.json.
 inline double paper_albedo(const Board& board, SampleKind kind) {
   return kind == SampleKind::white_paper ? board.tags.white_albedo : board.tags.black_albedo;
 }
 
-/// Light that reaches a point, per solid angle and distance: (axis . -wi)^k / d^2, times exp(log_intensity). Gives wi,
-/// the unit vector from the point towards the lamp.
+/// Irradiance factor at a point: (axis . -wi)^k / d^2, times exp(log_intensity). Puts out wi, the unit vector from the
+/// point towards the lamp.
 template <typename T>
 T lamp_irradiance(const LampModel<T>& lamp, const Eigen::Vector3d& p_board, Eigen::Matrix<T, 3, 1>& wi) {
   using std::exp;
@@ -69,14 +69,15 @@ T lamp_irradiance(const LampModel<T>& lamp, const Eigen::Vector3d& p_board, Eige
   return value;
 }
 
-/// PaperCoat as the fits move it.
+/// PaperCoat in the fits.
 template <typename T>
 struct PaperGloss {
   T f0 = T(0), alpha = T(0.3);
 };
 
-/// Radiance of paper: albedo / pi cos I / d^2 + albedo * ambient * sample.around (Lambertian), and what its coat sends
-/// (model.md 5.14). Of a lamp with an area the mean over `points` (lamp_points()); without them it is a point.
+/// Radiance of paper: albedo / pi cos I / d^2 + albedo * ambient * sample.around (Lambertian), plus its coat's
+/// reflection (model.md 5.14). An area light is the mean over `points` (lamp_points()); without them the lamp is a
+/// point.
 template <typename T>
 T paper_radiance(const LampModel<T>& lamp, const T& ambient, double albedo, const LightSample& sample,
                  std::span<const LampPoint> points = {}, const PaperGloss<T>& gloss = {}) {
@@ -106,7 +107,7 @@ T paper_radiance(const LampModel<T>& lamp, const T& ambient, double albedo, cons
 }
 
 /// Radiance of the face between scratches: D G F / (4 wo.z) I / d^2 + F0 * ambient * sample.around, all with
-/// base_alpha. `f0` is the mean of the channels; `grain` FaceGrain's c and s.
+/// base_alpha. `f0` is the mean of the channels; `grain` holds FaceGrain's c and s.
 template <typename T>
 T face_radiance(const LampModel<T>& lamp, const T& ambient, const T& base_alpha, const T* grain, double f0,
                 const LightSample& sample) {
@@ -128,7 +129,7 @@ T face_radiance(const LampModel<T>& lamp, const T& ambient, const T& base_alpha,
   return lobe * around * irradiance + f0 * sample.around * ambient;
 }
 
-/// Prior of v1, v2, v3: lenses darken mostly as r^2, and photos hardly tell the higher orders from one another.
+/// Prior of v1, v2, v3: lenses darken mostly as r^2, and photos hardly separate the higher orders.
 inline constexpr std::array<double, 3> kVignettePriorSigma{0.5, 0.25, 0.1};
 
 }  // namespace burin

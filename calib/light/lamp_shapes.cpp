@@ -16,7 +16,7 @@ void add_move(const LampFit& with, const LampFit& without, std::size_t light, La
   moved = moved.cwiseMax((with.blocks.lamps[light].place() - without.blocks.lamps[light].place()).cwiseAbs());
 }
 
-// A lamp with an area: a plane, which shines less to the side, unless it is a spot of its own.
+// An area light: a plane, which shines less to the side, unless it has a spotlight's exponent.
 LampFit with_area(const LampData& data, const LampShapes& shapes, std::size_t light, const LampFitOptions& options) {
   constexpr double kStart = 0.15;  // of its distance
   LampParameters from = shapes.fit.blocks;
@@ -30,7 +30,7 @@ LampFit with_area(const LampData& data, const LampShapes& shapes, std::size_t li
   return fit_lamp_parameters(data, from, shapes.spot, options);
 }
 
-// A brushed face, from several directions: a lamp that was found without them may be far off.
+// A brushed face, from several directions: a lamp fitted without grain may be far off.
 LampFit with_grain(const LampData& data, const LampShapes& shapes, const LampFitOptions& options) {
   constexpr double kStart = 0.3;
   std::vector<LampParameters> starts;
@@ -43,7 +43,7 @@ LampFit with_grain(const LampData& data, const LampShapes& shapes, const LampFit
   return best_lamp_fit(data, starts, shapes.spot, options);
 }
 
-// Satin paper, which shines.
+// Glossy paper.
 LampFit with_gloss(const LampData& data, const LampShapes& shapes, const LampFitOptions& options) {
   LampParameters from = shapes.fit.blocks;
   from.gloss[0] = 0.04;  // of a refractive index of 1.5
@@ -58,7 +58,7 @@ void try_spots(const LampData& data, const std::vector<bool>& usable, LampShapes
     if (!usable[light] || shapes.spot[light]) continue;
     std::vector<bool> with_spot = shapes.spot;
     with_spot[light] = true;
-    constexpr LampFitOptions kThinned{.stride = 10};  // a tenth of the samples says where to start
+    constexpr LampFitOptions kThinned{.stride = 10};  // a tenth of the samples chooses the start
     std::vector<LampParameters> starts;
     for (const double exponent : {2., 8., 25.}) {
       LampParameters& from = starts.emplace_back(shapes.fit.blocks);
@@ -69,8 +69,8 @@ void try_spots(const LampData& data, const std::vector<bool>& usable, LampShapes
     const LampFit thin = best_lamp_fit(data, starts, with_spot, kThinned);
     if (!thin.usable) continue;
     LampFit best = fit_lamp_parameters(data, thin.blocks, with_spot);
-    // A spot has three parameters more. Errors of paper and face are not independent, so ask for far more than a test
-    // of white noise would.
+    // A spotlight has three more parameters. Errors of paper and face are not independent. The threshold is therefore
+    // far above a test of white noise.
     constexpr double kWorthIt = 0.9;
     if (!best.usable || !(best.cost < shapes.fit.cost)) continue;
     if (!(best.cost < kWorthIt * shapes.fit.cost)) {
@@ -83,15 +83,15 @@ void try_spots(const LampData& data, const std::vector<bool>& usable, LampShapes
 }
 
 bool try_areas_and_coats(const LampData& data, const std::vector<bool>& usable, LampShapes& shapes) {
-  // A share of the face's samples tells what all of them need not be asked. What is not there would be looked for along
-  // a valley for long: areas of points, coats of matte paper.
+  // A fraction of the face's samples rejects most candidates. Absent effects would take many iterations along a valley:
+  // areas of points, coats of matte paper.
   constexpr LampFitOptions kThinned{.stride = 8}, kBrief{.stride = 8, .iterations = 20};
   constexpr double kNear = 0.93;
-  const std::size_t lamps = usable.size(), grain = lamps, gloss = lamps + 1;  // what may be taken, by number
+  const std::size_t lamps = usable.size(), grain = lamps, gloss = lamps + 1;  // candidates, by number
   std::vector<bool> open = usable, refused(lamps + 2, false);
   if (shapes.fit.blocks.stray_distance_mm > 0) open.assign(lamps, false);
   open.resize(lamps + 2, true);
-  // As for spots: far more than a test of white noise would ask.
+  // As for spotlights, the threshold is far above a test of white noise.
   const auto worth_it = [&](std::size_t k) { return k == gloss ? 0.75 : k == grain ? 0.85 : 0.9; };
   const auto is_nothing = [&](std::size_t k, const LampParameters& found) {
     constexpr double kLeastGrain = 0.02, kLeastGloss = 0.012;  // glare looks like less
@@ -113,7 +113,7 @@ bool try_areas_and_coats(const LampData& data, const std::vector<bool>& usable, 
     for (std::size_t k = 0; k < fits.size(); ++k) {
       LampFit& fit = fits[k];
       if (fit.usable && fit.cost < plain.cost && k < lamps) add_move(fit, plain, k, shapes);
-      // All samples are asked only where few of them come near to what they must say.
+      // All samples are used only if a fraction of them comes near to the threshold.
       if (!fit.usable || !(fit.cost < kNear * plain.cost) || !(fit.cost < thin.cost)) continue;
       thin = std::move(fit);
       which = k;
@@ -126,7 +126,7 @@ bool try_areas_and_coats(const LampData& data, const std::vector<bool>& usable, 
     }
     shapes.fit = std::move(best);
     open[which] = false;
-    refused.assign(lamps + 2, false);  // what is taken may have hidden others
+    refused.assign(lamps + 2, false);  // the new model may have masked others
     shapes.moved_mm.assign(lamps, Eigen::Vector3d::Zero());
     took = true;
   }

@@ -27,7 +27,7 @@ const std::vector<Tag>& tags_of(const Board& board, const Bench& bench) {
   return bench.tags.empty() ? board.tags.list : bench.tags;
 }
 
-// Size of a pixel on the board where it is largest, mm: distances in pixels become board distances with it.
+// Largest size of a pixel on the board, mm: it converts distances in pixels to board distances.
 double pixel_size_mm(const FootprintGrid& grid, int x, int y) {
   const std::size_t row = static_cast<std::size_t>(grid.width()) + 1;
   const std::size_t c = y * row + x;
@@ -82,7 +82,7 @@ struct PaperPixels {
   int lost = 0;  // clipped
 };
 
-// A sample from the pixels of one color of one tag: their median, so that dust and a lifted corner do not matter.
+// Makes a sample from the pixels of one color of one tag: their median, robust to dust and a lifted corner.
 bool finish_paper(PaperPixels& pixels, const Surface& surface, LightSample& sample) {
   constexpr int kFewest = 6;
   const int count = static_cast<int>(pixels.values.size());
@@ -93,19 +93,19 @@ bool finish_paper(PaperPixels& pixels, const Surface& surface, LightSample& samp
   sample.value = median_of(pixels.values);
   std::vector<double> deviations;
   for (const double v : pixels.values) deviations.push_back(std::abs(v - sample.value));
-  // Whichever is larger, the noise that the photo predicts or what is seen; a median costs a factor sqrt(pi / 2).
+  // The larger of the photo's predicted noise and the observed scatter; a median costs a factor sqrt(pi / 2).
   const double scatter = std::max(1.4826 * median_of(deviations), std::sqrt(pixels.variance_sum / count));
   sample.sigma = 1.2533 * scatter / std::sqrt(static_cast<double>(count));
   return true;
 }
 
-// Of a photo, as indices into bench.lights.
+// Lights of a photo, as indices into bench.lights.
 struct PhotoLights {
   std::size_t lamp = 0;
   std::optional<std::size_t> surroundings;
 };
 
-// Of the name that a photo's light has. Lamps that the bench does not name are appended.
+// Finds the lights by the name of a photo's light. Appends missing lamps.
 PhotoLights lights_of(const std::string& joined, Bench& bench, std::vector<Finding>& findings) {
   const auto refuse = [&] {
     fail("photos under \"" + joined + "\"",
@@ -145,7 +145,7 @@ PhotoLights lights_of(const std::string& joined, Bench& bench, std::vector<Findi
   return out;
 }
 
-// The scale of surroundings is one number, and a room is dark or it is not.
+// The scale of surroundings is one number, and a room is either dark or not.
 void require_one_room(std::span<const LightView> views, std::span<const MergedView> merged, const Bench& bench) {
   for (const LightView& v : views) {
     if (v.surroundings == views.front().surroundings) continue;
@@ -160,7 +160,7 @@ void require_one_room(std::span<const LightView> views, std::span<const MergedVi
   }
 }
 
-// What a merged photo holds of a window of the whole photo.
+// A merged photo's part of a window of the whole photo.
 PixelWindow held_window(const MergedView& photo, const PixelWindow& window) {
   const int x0 = std::max(window.x0, photo.x0), y0 = std::max(window.y0, photo.y0);
   const int x1 = std::min(window.x0 + window.width, photo.x0 + photo.value.width),
@@ -168,7 +168,7 @@ PixelWindow held_window(const MergedView& photo, const PixelWindow& window) {
   return {x0, y0, std::max(0, x1 - x0), std::max(0, y1 - y0)};
 }
 
-// The lens that the view was taken with, in pixels that are bin x bin of the photo's.
+// The view's own lens, in pixels that are bin x bin of the photo's.
 void set_lens(const Bench& bench, int bin, LightView& out) {
   const Lens of_all = binned_lens(bench.lens, bin);
   OwnLens own = bench.views[out.view].own_lens.value_or(OwnLens{});
@@ -179,7 +179,7 @@ void set_lens(const Bench& bench, int bin, LightView& out) {
   out.ray_shift_px = (1 - own.focal_ratio) * center + own.shift_px;
 }
 
-// The window that the lens of all shows what the view's window shows in.
+// The window of the lens of all views that corresponds to the view's window.
 PixelWindow window_of_all(const LightView& v) {
   if (v.focal_ratio == 1 && v.ray_shift_px.isZero(0)) return v.window;
   const Eigen::Vector2d first = (Eigen::Vector2d(v.window.x0, v.window.y0) - v.ray_shift_px) / v.focal_ratio,
@@ -196,7 +196,7 @@ void share_rays(std::span<LightView> views) {
   // Views of one size share their lens.
   for (std::size_t first = 0; first < views.size(); ++first) {
     if (views[first].rays != nullptr) continue;
-    Lens lens = views[first].lens;  // of all
+    Lens lens = views[first].lens;  // of all views
     for (std::size_t i = 0; i < 2; ++i) {
       lens.intrinsics[i] /= views[first].focal_ratio;
       lens.intrinsics[2 + i] =
@@ -279,7 +279,7 @@ void take_lenses(const Bench& bench, int bin, std::span<LightView> views) {
 }
 
 FootprintGrid grid_of(const LightView& view, const Eigen::Isometry3d& T_camera_board, const Surface& surface) {
-  // A lens without distortion costs nothing, and its grid is a homography, which serves the renderer.
+  // A lens without distortion costs nothing. Its grid is a homography, which the renderer can use.
   if (view.rays == nullptr || view.rays->undistorted)
     return camera_grid(view.lens, T_camera_board, surface, view.window);
   const CornerRays& all = *view.rays;
@@ -288,7 +288,8 @@ FootprintGrid grid_of(const LightView& view, const Eigen::Isometry3d& T_camera_b
   const std::size_t row = static_cast<std::size_t>(all.window.width) + 1;
   rays.slope.reserve((static_cast<std::size_t>(view.window.width) + 1) * (view.window.height + 1));
   if (view.focal_ratio != 1 || !view.ray_shift_px.isZero(0)) {
-    // Between four rays of the lens of all: a slope bends by less than 1e-9 of itself over a pixel.
+    // Interpolates between four rays of the lens of all views: a derivative varies by less than 1e-9 of itself over a
+    // pixel.
     for (int r = 0; r <= view.window.height; ++r)
       for (int c = 0; c <= view.window.width; ++c) {
         const Eigen::Vector2d corner((c + view.window.x0) * view.bin - 0.5, (r + view.window.y0) * view.bin - 0.5);
@@ -314,7 +315,8 @@ FootprintGrid grid_of(const LightView& view, const Eigen::Isometry3d& T_camera_b
 
 Lens binned_lens(const Lens& lens, int bin) {
   Lens out = lens;
-  // Focal lengths and center, with pixel (0, 0) at the center of the top-left pixel; distortion has no pixels in it.
+  // Focal lengths and center, with pixel (0, 0) at the center of the top-left pixel; distortion does not involve
+  // pixels.
   for (int i = 0; i < 4; ++i) out.intrinsics[i] = lens.intrinsics[i] / bin;
   for (int i = 2; i < 4; ++i) out.intrinsics[i] += 0.5 / bin - 0.5;
   out.width = lens.width / bin;
@@ -401,10 +403,10 @@ BoardMask metal_mask(const Board& board, const Bench& bench, double margin_mm) {
 
 namespace {
 
-// Paper asks for the light of a whole hemisphere: sources a degree apart give what a panorama's pixels give.
+// Paper needs the light of a whole hemisphere: sources a degree apart give the result of a panorama's pixels.
 constexpr double kPaperFine_rad = 0.01;
 
-// One view as samples are taken from it.
+// One view during sampling.
 struct SampledView {
   const LightView& view;
   std::size_t index;
@@ -415,7 +417,7 @@ struct SampledView {
   Eigen::Vector3d camera;
   const Light* surroundings;    // or null
   const LightSources& sources;  // of these
-  Image around_face;            // what the plain face sends back of these / F0, with the roughness that is believed
+  Image around_face;            // reflection of these by the plain face / F0, with the prior's roughness
 
   double around_paper(const Eigen::Vector3d& normal) const {
     if (surroundings == nullptr) return 1;
@@ -435,7 +437,7 @@ struct SampledView {
   }
 };
 
-// Where only plain face is seen: paper, edges and a wide strip around every designed scratch are taken away.
+// Mask of plain face only, without paper, edges and a wide strip around every designed scratch.
 BoardMask plain_face(const SampledView& v, const Bench& bench, const Scratches& carved) {
   const double pixel_mm = pixel_size_mm(v.grid, v.width() / 2, v.height() / 2);
   BoardMask plain = metal_mask(v.board, bench, 1 + v.options.edge_margin_px * pixel_mm);
@@ -477,7 +479,7 @@ std::vector<LightSample> face_blocks(const SampledView& v, const BoardMask& plai
           flat += at;
         }
       const int count = static_cast<int>(values.size());
-      // A block that is cut would pull the median towards one side of it.
+      // An incomplete block would bias the median towards one side.
       if (count < block * block) continue;
       LightSample sample = v.start(SampleKind::face);
       sample.p_board = p / count;
@@ -492,8 +494,8 @@ std::vector<LightSample> face_blocks(const SampledView& v, const BoardMask& plai
   return face;
 }
 
-// Blocks of the plain face, as many as are wanted of a view. Where photos are coarse and grooves lie close, hardly a
-// large block is free of them; without any the face says nothing of the lamp, or of a brushing. A few small ones do.
+// Blocks of the plain face, up to the limit of a view. In coarse photos of dense grooves, hardly any large block is
+// free of them. Without any, the face has no information on the lamp, or on a brushed face. A few small blocks suffice.
 void add_face_samples(const SampledView& v, const BoardMask& plain, std::vector<LightSample>& samples) {
   constexpr std::size_t kFewest = 60, kMostSmall = 60;
   int block = v.options.block_px;
@@ -518,7 +520,7 @@ std::vector<std::array<PaperPixels, 2>> paper_pixels(const SampledView& v, const
       Eigen::Vector3d p = q + (v.camera - q) * (v.board.tags.z_mm / (v.camera.z() - q.z()));
       Eigen::Vector2d flat = p.head<2>();
       if (v.surface.bend) {
-        // Along the way to the camera to the paper's height over the sheet; how far that leads aside is seen flat.
+        // Moves along the view ray to the paper's height over the sheet; `flat` is the flattened position.
         const Eigen::Vector3d n = v.grid.normal[i], way = (v.camera - q) * (v.board.tags.z_mm / (v.camera - q).dot(n));
         p = q + way;
         flat = footprint_middle_mm(v.grid, i) + (R_face_board(n) * way).head<2>();
@@ -565,7 +567,7 @@ void add_paper_samples(const SampledView& v, const std::vector<PlacedTag>& tags,
 Image around_face(const SampledView& v, const Bench& bench) {
   ViewScene scene = make_scene(bench, v.board, share(v.grid), v.camera, *v.surroundings);
   scene.ambient.setZero();
-  scene.material.profile = {};  // no groove is seen
+  scene.material.profile = {};  // grooves are not in view
   RenderOptions options;
   options.material_gradients = false;
   Image face;
@@ -581,7 +583,7 @@ std::vector<LightSample> gather_light_samples(std::span<const LightView> views, 
   const Surface surface = surface_of(board, bench);
   const std::vector<PlacedTag> tags = place_tags(board, bench);
   const Scratches carved = carve(sent, bench, board).scratches;
-  // All photos show one room (require_one_room).
+  // All photos have one set of surroundings (require_one_room).
   const LightSources sources = !views.empty() && views.front().surroundings
                                    ? light_sources(bench.lights[*views.front().surroundings], kPaperFine_rad)
                                    : LightSources{};

@@ -30,8 +30,8 @@ std::string listed(const Names& names) {
   return out;
 }
 
-// The lens' vignetting from paper alone: log white = light on the tag + the photo's exposure + v1 r^2 + v2 r^4,
-// robustly.
+// The lens' vignetting from paper alone, by a robust fit: log white = light on the tag + the photo's exposure + v1 r^2
+// + v2 r^4.
 Eigen::Vector2d paper_vignetting(std::span<const LightSample* const> white) {
   std::map<std::pair<std::size_t, int>, Eigen::Index> tag;  // under each light
   std::map<std::size_t, Eigen::Index> photo;
@@ -43,7 +43,7 @@ Eigen::Vector2d paper_vignetting(std::span<const LightSample* const> white) {
   Eigen::VectorXd x = Eigen::VectorXd::Zero(n);
   constexpr int kRounds = 15;
   for (int round = 0; round < kRounds; ++round) {
-    // Weak priors: exposures and light trade against each other, and v1 against v2 where all tags lie on a ring.
+    // Weak priors: exposures and light are correlated, and so are v1 and v2 if all tags are on a ring.
     Eigen::MatrixXd H = 1e-3 * Eigen::MatrixXd::Identity(n, n);
     Eigen::VectorXd g = Eigen::VectorXd::Zero(n);
     H.bottomRightCorner<2, 2>().diagonal() += Eigen::Vector2d(4, 16) / (round == 0 ? 1 : 0.02);
@@ -68,7 +68,7 @@ Eigen::Vector2d paper_vignetting(std::span<const LightSample* const> white) {
 }  // namespace
 
 void leave_out_blurred(std::vector<ViewTags>& pictures, std::size_t keep_views) {
-  std::vector<double> blur, known;  // one a picture: 0 where too few tags tell
+  std::vector<double> blur, known;  // one per picture: 0 with too few tags
   for (const ViewTags& picture : pictures) {
     std::vector<double> sides;
     for (const TagDetection& tag : picture.tags)
@@ -154,7 +154,7 @@ std::vector<Finding> unseen_tags(std::span<const ViewTags> pictures, const Board
         if (picture.view != view.name) continue;
         seen = seen || std::any_of(picture.tags.begin(), picture.tags.end(),
                                    [&](const TagDetection& t) { return t.id == tag.id; });
-        // What was seen and refused has been told already.
+        // Tags seen and refused have findings already.
         seen = seen || std::any_of(picture.rejected.begin(), picture.rejected.end(),
                                    [&](const RejectedTag& t) { return t.id == tag.id; });
       }
@@ -199,7 +199,7 @@ std::vector<LampGroup> photos_of_another_lamp(std::span<const LightSample> sampl
   for (const LightSample* s : white_samples)
     white[s->light][s->light_view][s->tag] = std::log(s->value) - s->radius2 * (vignette[0] + s->radius2 * vignette[1]);
   constexpr double kAlike = 0.03;         // RMS over the board: uneven paper, gloss, vignetting
-  constexpr double kDifferentFactor = 4;  // times what the agreeing photos differ by
+  constexpr double kDifferentFactor = 4;  // times the spread of the agreeing photos
   constexpr std::size_t kFewestTags = 5;
   std::vector<LampGroup> groups;
   for (const auto& white_of_lamp : white) {
@@ -209,7 +209,7 @@ std::vector<LampGroup> photos_of_another_lamp(std::span<const LightSample> sampl
       if (tags.size() >= kFewestTags) index.push_back(light_view);
     const std::size_t n = index.size();
     if (n < 3) continue;
-    // How differently two photos are shaded: what is left of the log ratios beside their median, robustly.
+    // Difference of two photos' shading: robust scatter of the log ratios around their median.
     const auto distance = [&](std::size_t a, std::size_t b) {
       std::vector<double> ratio;
       for (const auto& [tag, value] : photos.at(index[a])) {
@@ -222,7 +222,7 @@ std::vector<LampGroup> photos_of_another_lamp(std::span<const LightSample> sampl
       return 1.4826 * median_of(ratio);
     };
     Eigen::MatrixXd d = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(n), static_cast<Eigen::Index>(n));
-    std::vector<double> nearest;  // each photo to the one most like it: what is normal here
+    std::vector<double> nearest;  // each photo's distance to the most similar one: the usual scatter
     for (std::size_t a = 0; a < n; ++a) {
       double best = -1;
       for (std::size_t b = 0; b < n; ++b) {
@@ -234,7 +234,7 @@ std::vector<LampGroup> photos_of_another_lamp(std::span<const LightSample> sampl
       if (best >= 0) nearest.push_back(best);
     }
     const double alike = std::max(kAlike, kDifferentFactor * median_of(nearest));
-    // Photos linked by likeness form sets; the largest set is the lamp's.
+    // Photos linked by similarity form sets; the largest set is the lamp's.
     std::vector<int> set_of(n, -1);
     std::vector<std::vector<std::size_t>> sets;
     for (std::size_t start = 0; start < n; ++start) {
@@ -260,7 +260,7 @@ std::vector<LampGroup> photos_of_another_lamp(std::span<const LightSample> sampl
           if (const double here = d(static_cast<Eigen::Index>(a), static_cast<Eigen::Index>(b)); here >= 0)
             between.push_back(here);
       }
-      if (between.empty()) continue;  // no tag in common: nothing is known
+      if (between.empty()) continue;  // no tag in common: no comparison
       group.spread = median_of(between);
       groups.push_back(group);
     }
@@ -270,15 +270,15 @@ std::vector<LampGroup> photos_of_another_lamp(std::span<const LightSample> sampl
 
 namespace {
 
-// White paper under one lamp: where it lies, what it shows, and the pose of the camera that saw it.
+// White paper under one lamp: its place and brightness, and the pose of the camera.
 struct LitPaper {
   Eigen::Vector3d p_board, normal;
   double log_value, radius2;
   Eigen::Isometry3d T_board_camera;
 };
 
-// What is left of the paper's brightness under a lamp there, beside an intensity and vignetting that are taken as they
-// suit it best: the RMS of logarithms. `on_camera`: in the camera's frame, not in the board's.
+// RMS residual of the paper's log brightness under a lamp there, with intensity and vignetting fitted. `on_camera`: the
+// lamp's position is in the camera's frame, not in the board's.
 double paper_left(const std::vector<LitPaper>& paper, const Eigen::Vector3d& lamp_mm, bool on_camera) {
   const auto n = static_cast<Eigen::Index>(paper.size());
   Eigen::MatrixXd A(n, 3);
@@ -296,7 +296,7 @@ double paper_left(const std::vector<LitPaper>& paper, const Eigen::Vector3d& lam
   return std::sqrt(left.squaredNorm() / static_cast<double>(n));
 }
 
-// The least of it from a start, by a search along axes whose steps shrink.
+// Its minimum from a start, by a search along axes with shrinking steps.
 double least_paper_left(const std::vector<LitPaper>& paper, Eigen::Vector3d lamp_mm, double step_mm, bool on_camera) {
   double best = paper_left(paper, lamp_mm, on_camera);
   const double last_mm = 0.02 * step_mm;
@@ -354,8 +354,8 @@ std::vector<std::string> lamps_that_ride(std::span<const LightView> views, std::
 
 namespace {
 
-constexpr double kTonesReach = 0.06;      // half the side of what surrounds a pixel, of the picture's width
-constexpr double kTonesStored = 1 / 2.2;  // about the curve that pictures are stored by
+constexpr double kTonesReach = 0.06;      // half the side of a pixel's surroundings, of the picture's width
+constexpr double kTonesStored = 1 / 2.2;  // approximate encoding of stored pictures
 
 // Sums over rectangles of a view's stored brightness, for means around any of its pixels.
 class BrightnessAround {
@@ -374,7 +374,7 @@ class BrightnessAround {
     }
   }
 
-  // The logarithm of the mean around a pixel, without what lies nearer than `hole_px`.
+  // The logarithm of the mean around a pixel, without pixels nearer than `hole_px`.
   double log_mean(int x, int y, int hole_px) const {
     const auto [all, count] = sum(x, y, reach_);
     const auto [hole, in_hole] = hole_px > 0 ? sum(x, y, std::min(hole_px, reach_ - 1)) : std::pair(0.0, 0.0);
@@ -394,7 +394,7 @@ class BrightnessAround {
   std::vector<double> sums_;  // [y][x]: of all pixels above and left
 };
 
-// The logarithm of what surrounds each sample; paper without the tag that it is part of.
+// The logarithm of each sample's surroundings; for paper without its own tag.
 std::vector<double> around_samples(std::span<const LightView> views, std::span<const LightSample> samples,
                                    const Bench& bench) {
   std::vector<BrightnessAround> around;
@@ -408,7 +408,7 @@ std::vector<double> around_samples(std::span<const LightView> views, std::span<c
     const Eigen::Vector3d v = bench.views[view.view].T_camera_board * sample.p_board;
     Eigen::Vector2d q;
     project(view.lens, {&v, 1}, {&q, 1});
-    constexpr double kOfSide = 0.8;  // half a tag, its border and the white beyond
+    constexpr double kOfSide = 0.8;  // half a tag, with its border and the white around it
     const auto side = side_mm.find(sample.tag);
     const double hole = side == side_mm.end() ? 0 : kOfSide * side->second * view.lens.intrinsics[0] / v.z();
     out.push_back(around[sample.light_view].log_mean(static_cast<int>(std::lround(q.x())) - view.window.x0,
@@ -426,7 +426,7 @@ std::optional<LocalTones> find_local_tones(std::span<const LightView> views, std
   for (const LightSample& sample : samples)
     if (sample.kind == SampleKind::white_paper && sample.value > 0) paper.push_back(sample);
   const std::vector<double> around = around_samples(views, paper, bench);
-  // Numbers of photos (each under its lamp), of tags under a lamp, vignetting, and the power.
+  // Unknowns: photos (each under its lamp), tags under a lamp, vignetting, and the power.
   std::map<std::size_t, Eigen::Index> photos;
   std::map<std::pair<std::size_t, int>, Eigen::Index> tags;
   for (const LightSample& s : paper) {
@@ -438,7 +438,7 @@ std::optional<LocalTones> find_local_tones(std::span<const LightView> views, std
   for (auto& [tag, at] : tags) at = next++;
   const Eigen::Index vignette = next, power = next + 2, n = next + 3;
   const auto count = static_cast<double>(paper.size());
-  constexpr double kFewestMore = 20;  // samples beyond the numbers
+  constexpr double kFewestMore = 20;  // samples beyond the unknowns
   if (count < static_cast<double>(n) + kFewestMore) return std::nullopt;
   Eigen::VectorXd x = Eigen::VectorXd::Zero(n);
   double scatter = 0, sigma = 0;

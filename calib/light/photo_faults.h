@@ -1,6 +1,6 @@
-// burin/calib/light/photo_faults.h - what tags tell about the photos they are in, before and after the solve: photos
-// out of focus or moved while they were exposed, tags that are not where they should be seen, a lamp that moved between
-// photos. Frames: board (mm), camera, pixels (center of the top-left pixel is (0, 0)).
+// burin/calib/light/photo_faults.h - detects faults of photos by their tags, before and after the solve: blur by focus
+// or motion, tags away from their predicted place, a lamp that moved between photos. Frames: board (mm), camera, pixels
+// (center of the top-left pixel is (0, 0)).
 #pragma once
 
 #include <optional>
@@ -17,20 +17,20 @@
 
 namespace burin {
 
-/// Takes the tags out of photos that are much less sharp than the others (into `rejected`, with the reason), as long as
-/// `keep_views` views remain: their corners would do, but their pixels tell the wrong roughness and depth.
+/// Moves the tags of photos much less sharp than the others into `rejected`, with the reason, while `keep_views` views
+/// remain. Their corners would do, but their pixels give wrong roughness and depth.
 void leave_out_blurred(std::vector<ViewTags>& pictures, std::size_t keep_views);
 
-/// What was seen and not used, a finding for each reason: by tag, or by view where a view has it for most of its tags.
-/// Views and tags that the solution lacks altogether have findings of their own and are passed over.
+/// A finding per reason for tags seen and not used: by tag, or by view if most of its tags share the reason. Views and
+/// tags absent from the solution have findings of their own and are skipped.
 std::vector<Finding> rejected_tags(std::span<const ViewTags> pictures, const Board& board, const BoardSolution& solved);
 
-/// Tags of board.json that the solved poses put well inside photos that show nothing of them.
+/// Tags of board.json predicted well inside photos by the solved poses, but not visible there.
 std::vector<Finding> unseen_tags(std::span<const ViewTags> pictures, const Board& board, const BoardSolution& solved);
 
-/// Photos of one light whose paper is shaded differently from the others': the lamp stood elsewhere, or something threw
-/// a shadow. White paper is equally bright from everywhere, so that the ratio of two photos' tags is one number, but
-/// for vignetting and gloss; the largest set of photos that agree is taken for right.
+/// Photos of one light whose paper is shaded differently from the others': the lamp was elsewhere, or something cast a
+/// shadow. White paper is equally bright from everywhere. The ratio of two photos' tags is therefore one number, except
+/// for vignetting and gloss. The largest set of agreeing photos counts as correct.
 struct LampGroup {
   std::string light;
   std::vector<std::size_t> light_views;  ///< indices into the light views
@@ -38,33 +38,34 @@ struct LampGroup {
 };
 std::vector<LampGroup> photos_of_another_lamp(std::span<const LightSample> samples, const Bench& bench);
 
-/// Lamps that ride on the camera, by the paper in their photos: one place before the camera explains its brightness in
-/// all of them far better than one beside the board. Their names.
+/// Names of lamps that move with the camera, by the paper in their photos: a fixed place relative to the camera
+/// explains the brightness in all photos far better than a fixed place relative to the board.
 std::vector<std::string> lamps_that_ride(std::span<const LightView> views, std::span<const LightSample> samples,
                                          const Bench& bench);
 
-/// Whether a camera brightens what lies in the dark: local tone mapping, which phones do to their JPEGs as "HDR" or
-/// "smart tones". No curve undoes it: what a pixel is stored as depends on what surrounds it. White paper is equally
-/// bright from everywhere, so that the logarithm of a tag's brightness is a number of the tag, one of the photo, and
-/// vignetting; whatever else goes with the brightness around the tag the camera made (or glare, which brightens).
+/// Local tone mapping: a camera brightens dark surroundings, as phones do to their JPEGs ("HDR" or "smart tones"). No
+/// curve undoes it, since the stored value of a pixel depends on its surroundings. White paper is equally bright from
+/// everywhere. The logarithm of a tag's brightness is therefore one number of the tag, one of the photo, and
+/// vignetting. Any further dependence on the brightness around the tag comes from the camera (or from glare, which
+/// brightens).
 ///
-/// Linear values go with the power of the brightness around them, as stored; below 0 where the dark is brightened.
+/// Linear values vary with the power of the brightness around them, as stored; below 0 if dark areas are brightened.
 struct LocalTones {
   double power = 0, sigma = 0;
 };
 
-/// Nothing where paper does not ask for it beyond chance. `samples`: of `views`, as gather_light_samples() made them.
+/// Empty unless paper shows it beyond chance. `samples` are of `views`, from gather_light_samples().
 std::optional<LocalTones> find_local_tones(std::span<const LightView> views, std::span<const LightSample> samples,
                                            const Bench& bench);
 
-/// By what factor each pixel of a view would be brighter without, their mean taken as 1.
+/// Factor of each pixel's brightness without local tones over its value, with mean 1.
 Image without_local_tones(const LightView& view, const LocalTones& tones);
 
-/// The samples as they would be without.
+/// The samples without local tones.
 std::vector<LightSample> without_local_tones(std::span<const LightView> views, std::span<const LightSample> samples,
                                              const LocalTones& tones, const Bench& bench);
 
-/// What a person should know of it.
+/// A finding for the user.
 Finding told(const LocalTones& tones);
 
 }  // namespace burin

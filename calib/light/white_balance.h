@@ -1,5 +1,5 @@
-// burin/calib/light/white_balance.h - whether photos can tell lamps' colors: only if all were stored with one white
-// balance. A camera that seeks white anew in each photo makes every lamp nearly white.
+// burin/calib/light/white_balance.h - checks that photos can show lamps' colors: only if all have one white balance. A
+// camera with automatic white balance makes every lamp nearly white.
 #pragma once
 
 #include <vector>
@@ -9,8 +9,8 @@
 
 namespace burin {
 
-/// For a session of photos in color under several lamps: a warning where EXIF says that the camera chose the balance of
-/// photos itself. Raw files are stored without any. Photos whose header says nothing are taken for good.
+/// A warning, for a session of photos in color under several lamps, if EXIF reports automatic white balance. Raw files
+/// store none. Photos without this field pass.
 std::vector<Finding> check_white_balance(const Session& session);
 
 }  // namespace burin

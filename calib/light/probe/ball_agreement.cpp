@@ -11,11 +11,11 @@ namespace burin {
 namespace {
 
 constexpr int kDirections = 5000;
-constexpr double kLowest = 0.06;  // z of a direction: what lies on the table moves with the eye's place on the ball
-constexpr double kLeastIncidence = 0.4;  // cosine: where outlines blur, views differ
+constexpr double kLowest = 0.06;  // z of a direction: objects on the table shift with the eye's place on the ball
+constexpr double kLeastIncidence = 0.4;  // cosine: near blurred outlines views differ
 constexpr double kClearOfCone = 1.25;
 
-// Spread evenly over the hemisphere above the face (Fibonacci's spiral).
+// Directions spread evenly over the hemisphere above the face (Fibonacci's spiral).
 std::vector<Eigen::Vector3d> upper_directions() {
   std::vector<Eigen::Vector3d> out;
   for (int i = 0; i < kDirections; ++i) {
@@ -26,7 +26,7 @@ std::vector<Eigen::Vector3d> upper_directions() {
   return out;
 }
 
-// log(value) by direction; NaN where the view does not show it well.
+// Puts out log(value) by direction; NaN if the view does not show it well.
 void show(const BallView& view, double dark, const MirrorBall& ball, double photographer_rad,
           const std::vector<Eigen::Vector3d>& directions, std::vector<double>& out) {
   out.assign(directions.size(), std::nan(""));

@@ -15,11 +15,11 @@ namespace {
 
 constexpr std::array<double, 7> kReach = {0.08, 0.05, 0.03, 0.02, 0.02, 0.02, 0.02};  // of the radius, to each side
 constexpr std::size_t kNearestFirst = 2;                                              // rounds of those
-constexpr double kRoundReach = 0.05;                                                  // where roundness is looked at
+constexpr double kRoundReach = 0.05;                                                  // range for roundness
 constexpr double kTrustWithin = 0.6;
 constexpr double kEdgeSigma_px = 0.2;  // of an edge's place
 
-// How far an edge's ray passes the tangent cone, in sigmas. Parameters: x, y, z, radius.
+// Distance of an edge's ray from the tangent cone, in sigmas. Parameters: x, y, z, radius.
 struct OutlineResidual {
   Eigen::Vector3d eye, ray;
   double per_rad;
@@ -48,7 +48,7 @@ struct PriorResidual {
   }
 };
 
-// One robust solve; sigmas where they are asked for.
+// One robust solve, with sigmas if requested.
 bool solve_outline(std::span<const BallView> views, const std::vector<OutlineEdge>& edges, const BallPrior& prior,
                    FittedBall& fit, bool with_sigmas) {
   std::array<double, 4> p = {fit.ball.center_mm.x(), fit.ball.center_mm.y(), fit.ball.center_mm.z(),
@@ -56,7 +56,7 @@ bool solve_outline(std::span<const BallView> views, const std::vector<OutlineEdg
   ceres::Problem problem;
   for (const OutlineEdge& edge : edges) {
     const auto cone = tangent_cone(fit.ball, views[edge.view].eye_mm());
-    // What lies within may be a reflection of the outline's surroundings.
+    // An edge inside may be a reflection of the outline's surroundings.
     const double trust = edge.off_px < 0 ? kTrustWithin : 1;
     problem.AddResidualBlock(
         new ceres::AutoDiffCostFunction<OutlineResidual, 1, 4>(new OutlineResidual{
@@ -88,7 +88,8 @@ bool solve_outline(std::span<const BallView> views, const std::vector<OutlineEdg
   return true;
 }
 
-// Amplitude of two and three waves around in what edges deviate, of the radius. Robust: weights by deviation.
+// Amplitude of two and three waves around the outline in the edges' deviations, of the radius. Robust: weights by
+// deviation.
 double waves_around(const std::vector<OutlineEdge>& edges, double radius_px, double scale) {
   if (edges.size() < 12) return 0;
   Eigen::MatrixXd A(static_cast<Eigen::Index>(edges.size()), 7);
@@ -101,7 +102,7 @@ double waves_around(const std::vector<OutlineEdge>& edges, double radius_px, dou
   }
   Eigen::VectorXd x = Eigen::VectorXd::Zero(7);
   for (int round = 0; round < 20; ++round) {
-    // A weak pull to 0, for outlines that are seen in part only.
+    // A weak prior at 0, for partly visible outlines.
     const Eigen::MatrixXd N = A.transpose() * weight.asDiagonal() * A +
                               0.01 * static_cast<double>(A.rows()) * Eigen::MatrixXd::Identity(7, 7);
     x = N.ldlt().solve(A.transpose() * weight.cwiseProduct(b));

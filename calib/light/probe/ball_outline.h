@@ -1,5 +1,5 @@
-// burin/calib/light/probe/ball_outline.h - a ball's place and size from its outline in all views: edges to a fraction
-// of a pixel, then robust least squares. docs/model.md 11.4. Frame: board, mm.
+// burin/calib/light/probe/ball_outline.h - fits a ball's place and size to its outline in all views: edges to a
+// fraction of a pixel, then robust least squares. docs/model.md 11.4. Frame: board, mm.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,30 +12,30 @@
 
 namespace burin {
 
-/// What is believed of a ball before it is measured.
+/// Prior of a ball.
 struct BallPrior {
-  std::optional<double> radius_mm;  ///< then it is that
-  double lift_sigma_mm = 1;         ///< of the height of its lowest point above the face, which is believed to be 0
+  std::optional<double> radius_mm;  ///< if known, it is fixed
+  double lift_sigma_mm = 1;         ///< of the height of its lowest point above the face; the prior's mean is 0
 };
 
-/// How a ball's outline looks in one view.
+/// Quality of a ball's outline in one view.
 struct OutlineLook {
-  double found = 0;         ///< share of the directions around it in which an edge lies where the ball says
+  double found = 0;         ///< share of the directions around it with an edge at the predicted place
   double rms_px = 0;        ///< of those edges, photo pixels
-  double out_of_round = 0;  ///< amplitude of what has two or three waves around, of the radius
+  double out_of_round = 0;  ///< amplitude of two or three waves around the outline, relative to the radius
   double radius_px = 0;
 };
 
-/// A ball, as its outlines have it.
+/// A ball fitted to its outlines.
 struct FittedBall {
   MirrorBall ball;
   Eigen::Vector3d center_sigma_mm{0, 0, 0};
   double radius_sigma_mm = 0;
-  std::vector<OutlineLook> views;  ///< one a view
-  double agreement = 0;            ///< of what the views show in it (ball_agreement.h); 0: not looked at
+  std::vector<OutlineLook> views;  ///< one per view
+  double agreement = 0;            ///< of the views about the room (ball_agreement.h); 0: not computed
 };
 
-/// From a guess that is right within a twentieth of the radius. Nothing where too few edges are left to fit to.
+/// Fits from a guess within a twentieth of the radius. Empty if too few edges are left.
 std::optional<FittedBall> fit_ball(std::span<const BallView> views, const MirrorBall& guess, const BallPrior& prior);
 
 }  // namespace burin

@@ -14,20 +14,20 @@
 namespace burin {
 namespace {
 
-constexpr std::size_t kMostViews = 6;  // more tell a first guess nothing
-constexpr int kCoarse_px = 200;        // the longer side of the maps that everything is tried on
-constexpr int kFine_px = 500;          // and of those that the best are moved on
+constexpr std::size_t kMostViews = 6;  // more do not improve an initial guess
+constexpr int kCoarse_px = 200;        // longer side of the maps for the full search
+constexpr int kFine_px = 500;          // and of the maps for refining the best
 constexpr int kAround = 32;            // points of an outline
-constexpr double kSmallest_px = 5;     // radius on the coarse map: smaller balls show nothing anyway
+constexpr double kSmallest_px = 5;     // radius on the coarse map: smaller balls are useless anyway
 constexpr double kLargestShare = 0.5;  // radius, of the board's shorter side
-constexpr double kHighestShare = 1;    // of the same: how high above the face maps reach
+constexpr double kHighestShare = 1;    // of the same: height of the maps above the face
 constexpr double kLeastScore = 0.4;
 constexpr std::size_t kCandidates = 30;
-// Balls whose places and sizes differ by less than that share of their radius are one.
+// Balls are equal if their places and sizes differ by less than this share of their radius.
 constexpr double kAlikeCoarse = 0.35, kAlike = 0.05;
 
-// Edges of one view without the lens' distortion: directions of the steepest change of log(value), their length from 0
-// to 1 whatever the contrast. Pixels are places on the plane z = 1 of the camera.
+// Edges of one view without lens distortion: directions of the steepest change of log(value). Their length is from 0 to
+// 1 regardless of contrast. Pixels are places on the plane z = 1 of the camera.
 struct EdgeMap {
   Eigen::Isometry3d T_camera_board;
   Eigen::Vector2d first;  // of the first pixel's center
@@ -36,7 +36,7 @@ struct EdgeMap {
   std::vector<Eigen::Vector2f> edge;
 };
 
-// The part of the plane z = 1 in which the board and what stands on it lie.
+// The part of the plane z = 1 that contains the board and objects on it.
 bool seen_part(const BallView& view, const Eigen::Vector2d& board_mm, Eigen::Vector2d& low, Eigen::Vector2d& high) {
   low.setConstant(std::numeric_limits<double>::infinity());
   high = -low;
@@ -46,7 +46,7 @@ bool seen_part(const BallView& view, const Eigen::Vector2d& board_mm, Eigen::Vec
       for (const double y : {0., board_mm.y()}) {
         const Eigen::Vector3d p = view.T_camera_board * Eigen::Vector3d(x, y, z);
         if (!(p.z() > 1e-3 * board_mm.norm())) {
-          if (z > 0) continue;  // the camera is close: what is seen of the face has to do
+          if (z > 0) continue;  // the camera is close: the visible part of the face must suffice
           return false;
         }
         low = low.cwiseMin(p.head<2>() / p.z());
@@ -55,7 +55,7 @@ bool seen_part(const BallView& view, const Eigen::Vector2d& board_mm, Eigen::Vec
   return true;
 }
 
-// log(value) over the map, from means over the photo's pixels that a map's pixel covers.
+// log(value) over the map, from means over the photo's pixels inside a map's pixel.
 cv::Mat log_map(const BallView& view, const EdgeMap& map) {
   const cv::Mat gray(view.gray.height, view.gray.width, CV_32F, const_cast<float*>(view.gray.data.data()));
   std::vector<Eigen::Vector3d> rays;
@@ -96,7 +96,7 @@ EdgeMap edge_map(const BallView& view, const Eigen::Vector2d& board_mm, int long
   cv::GaussianBlur(value, value, cv::Size(0, 0), 1.2);
   cv::Sobel(value, dx, CV_32F, 1, 0, 3, 1.0 / 8);
   cv::Sobel(value, dy, CV_32F, 0, 1, 3, 1.0 / 8);
-  constexpr float kFaint = 0.03F;  // of log(value) a pixel: half as good as any stronger one
+  constexpr float kFaint = 0.03F;  // of log(value) per pixel: half as good as any stronger edge
   map.edge.reserve(static_cast<std::size_t>(map.width) * map.height);
   for (int y = 0; y < map.height; ++y)
     for (int x = 0; x < map.width; ++x) {
@@ -118,7 +118,7 @@ Around around() {
   return out;
 }
 
-// How well edges lie along the outline in one view, 0 to 1. What is outside of the map counts as no edge.
+// Match of edges with the outline in one view, 0 to 1. Points outside of the map count as no edge.
 double outline_score(const EdgeMap& map, const MirrorBall& ball, const Around& turn) {
   const Eigen::Vector3d center = map.T_camera_board * ball.center_mm;
   const auto cone = tangent_cone({center, ball.radius_mm}, Eigen::Vector3d::Zero());
@@ -133,7 +133,7 @@ double outline_score(const EdgeMap& map, const MirrorBall& ball, const Around& t
     const int x = static_cast<int>(std::lround((at.x() - map.first.x()) / map.step));
     const int y = static_cast<int>(std::lround((at.y() - map.first.y()) / map.step));
     if (x < 0 || y < 0 || x >= map.width || y >= map.height) continue;
-    // The outline's normal in the picture: how its points move where the ball grows.
+    // The outline's normal in the picture: motion of its points when the ball grows.
     const Eigen::Vector2d normal = (out.head<2>() - at * out.z()).normalized();
     sum += std::abs(normal.dot(map.edge[static_cast<std::size_t>(y) * map.width + x].cast<double>()));
   }
@@ -148,7 +148,7 @@ double score_of(const std::vector<EdgeMap>& maps, const MirrorBall& ball, const 
 
 bool by_score(const FoundBall& a, const FoundBall& b) { return a.score > b.score; }
 
-// The first of those that are alike, in their order.
+// The first of similar balls, in their order.
 std::vector<FoundBall> differing(const std::vector<FoundBall>& all, double least_mm, double share, std::size_t most) {
   std::vector<FoundBall> out;
   for (const FoundBall& ball : all) {
@@ -163,7 +163,7 @@ std::vector<FoundBall> differing(const std::vector<FoundBall>& all, double least
   return out;
 }
 
-// mm on the board's middle per pixel of a map, the largest of all.
+// mm at the board's middle per pixel of a map, the largest of all.
 double coarsest_mm(const std::vector<EdgeMap>& maps, const Eigen::Vector2d& board_mm) {
   double most = 0;
   for (const EdgeMap& map : maps)
@@ -173,7 +173,7 @@ double coarsest_mm(const std::vector<EdgeMap>& maps, const Eigen::Vector2d& boar
 
 MirrorBall standing_at(double x, double y, double radius, double lift) { return {{x, y, (1 + lift) * radius}, radius}; }
 
-// Moved and grown step by step until nothing is better, with halved steps.
+// Moves and grows the ball step by step, with halved steps, until the score stops rising.
 FoundBall climbed(FoundBall found, const std::vector<EdgeMap>& maps, const BallSearch& search, double step_mm,
                   const Around& turn) {
   found.score = score_of(maps, found.ball, turn);
@@ -201,7 +201,7 @@ FoundBall climbed(FoundBall found, const std::vector<EdgeMap>& maps, const BallS
 }  // namespace
 
 bool hides_what_is_seen(std::span<const BallView> views, const MirrorBall& ball) {
-  constexpr double kWithin = 0.95;  // of the cone: corners are known to a pixel or so
+  constexpr double kWithin = 0.95;  // of the cone: corners are known to about a pixel
   return std::any_of(views.begin(), views.end(), [&](const BallView& view) {
     const auto cone = tangent_cone(ball, view.eye_mm());
     return !cone || std::any_of(view.free_rays.begin(), view.free_rays.end(), [&](const Eigen::Vector3d& ray) {
@@ -231,10 +231,10 @@ std::vector<FoundBall> search_ball(std::span<const BallView> views, const BallSe
     for (double r = kSmallest_px * pixel_mm; r < kLargestShare * search.board_mm.minCoeff(); r += 1.2 * pixel_mm)
       radii.push_back(r);
   const int rows = static_cast<int>(search.board_mm.y() / step) + 1;
-  std::vector<std::vector<FoundBall>> best(rows);  // of each place, the sizes that are better than their neighbors
+  std::vector<std::vector<FoundBall>> best(rows);  // of each place, sizes with a local maximum of the score
   tbb::parallel_for(0, rows, [&](int row) {
     for (double x = 0; x <= search.board_mm.x(); x += step) {
-      // Sizes that are better than the next ones: a ring that the ball shows must not hide its outline.
+      // Sizes with a local maximum of the score: a reflected ring must not hide the ball's outline.
       std::vector<double> score;
       for (const double radius : radii)
         score.push_back(score_of(coarse, standing_at(x, row * step, radius, search.lift), turn));

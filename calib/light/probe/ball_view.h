@@ -1,5 +1,5 @@
-// burin/calib/light/probe/ball_view.h - what one place of the camera shows of a ball: a picture in gray, and where the
-// camera stood. Frames: board (mm), camera, pixels of the photo (center of the top-left pixel is (0, 0)).
+// burin/calib/light/probe/ball_view.h - one viewpoint's picture of a ball, in gray, with its pose. Frames: board (mm),
+// camera, pixels of the photo (center of the top-left pixel is (0, 0)).
 #pragma once
 
 #include <Eigen/Geometry>
@@ -16,7 +16,7 @@ struct BallView {
   Image gray;                       ///< linear, one channel: the photo, a smaller copy of it, or a part
   Eigen::Vector2d origin_px{0, 0};  ///< of its first pixel's center, in pixels of the photo
   double scale = 1;                 ///< pixels of the photo per pixel
-  /// Rays (unit, board) to places of the face that are seen, such as tags that were read: no ball is in their way.
+  /// Rays (unit, board) to visible places of the face, such as detected tags: no ball is in their way.
   std::vector<Eigen::Vector3d> free_rays;
 
   Eigen::Vector3d eye_mm() const { return T_camera_board.inverse().translation(); }

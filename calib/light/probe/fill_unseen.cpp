@@ -8,7 +8,7 @@
 namespace burin {
 namespace {
 
-// Means and how much they rest on: weight in the last place.
+// Means and their weights: weight in the last place.
 struct Level {
   int width = 0, height = 0, channels = 0;
   std::vector<double> value, weight;
@@ -39,7 +39,7 @@ Level halved(const Level& fine) {
   return out;
 }
 
-// What the finer level lacks, from the coarser one, linearly between its pixels.
+// Fills gaps of the finer level from the coarser one, linearly between its pixels.
 void pull(const Level& coarse, Level& fine) {
   for (int y = 0; y < fine.height; ++y)
     for (int x = 0; x < fine.width; ++x) {

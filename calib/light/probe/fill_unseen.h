@@ -1,4 +1,4 @@
-// burin/calib/light/probe/fill_unseen.h - directions that nothing is known of, filled smoothly from their neighbors.
+// burin/calib/light/probe/fill_unseen.h - fills unseen directions smoothly from their neighbors.
 #pragma once
 
 #include <cstdint>
@@ -9,8 +9,8 @@
 namespace burin {
 
 /// Fills the pixels of a latitude-longitude picture whose `known` is 0 by the push-pull pyramid (Gortler et al., The
-/// Lumigraph, SIGGRAPH 1996), each pixel counting by its solid angle, columns wrapping round. Of logarithms: a lamp at
-/// the edge of what is seen must not light what is not. Nothing changes where nothing is known.
+/// Lumigraph, SIGGRAPH 1996). Each pixel counts by its solid angle; columns wrap around. Logarithms are averaged: a
+/// lamp at the edge of the seen region must not light the unseen one. Does nothing if no pixel is known.
 void fill_unseen(Image& panorama, std::span<const std::uint8_t> known);
 
 }  // namespace burin

@@ -16,15 +16,15 @@ namespace burin {
 namespace {
 
 constexpr double kLeastFound = 0.5;        // of an outline: less is half hidden, or no ball
-constexpr double kMostOutOfRound = 0.012;  // of the radius: directions are off by four times that (rad)
+constexpr double kMostOutOfRound = 0.012;  // of the radius: direction errors are four times this (rad)
 constexpr double kContactSigma_mm = 0.03;  // paper, dust, a bowed sheet
 constexpr double kNearlyWhole = 0.8;
-constexpr double kMostOutOfRound_px = 0.6;             // a small ball's outline is no better known
-constexpr double kAgreed = 0.8, kSurelyAgreed = 0.85;  // views show one room
+constexpr double kMostOutOfRound_px = 0.6;             // accuracy of a small ball's outline
+constexpr double kAgreed = 0.8, kSurelyAgreed = 0.85;  // agreement of views about one room
 constexpr double kWorseStanding = 0.03;                // of likeness
 constexpr double kLeastRadius_px = 12;
-constexpr std::size_t kFitted = 10;  // of the places that the search offers
-constexpr double kWellFound = 0.6;   // standing on the face: no other heights are tried
+constexpr std::size_t kFitted = 10;  // of the search's places
+constexpr double kWellFound = 0.6;   // resting on the face: then no other heights are tried
 
 double mean_found(const FittedBall& ball) {
   double sum = 0;
@@ -38,14 +38,14 @@ double out_of_round(const FittedBall& ball) {
   return round.empty() ? 0 : median_of(std::move(round));
 }
 
-// How much a fit looks like a ball: pieces of other outlines fit here and there, and are not round, and no two views
-// show the same in them.
+// Similarity of a fit to a ball. Pieces of other outlines match in places, but they are not round, and no two views
+// agree about their content.
 double likeness(const FittedBall& ball) { return mean_found(ball) - 8 * out_of_round(ball) + 2 * ball.agreement; }
 
 BallPrior prior_of(std::size_t views, const Board& board, std::optional<double> ball_mm) {
   BallPrior prior;
   if (ball_mm) prior.radius_mm = *ball_mm / 2;
-  // Two views tell its height by themselves; one alone does where the size is known.
+  // Two views determine its height by themselves; one view does if the size is known.
   const bool told = views > 1 || ball_mm.has_value();
   prior.lift_sigma_mm = board.bend || !board.mesh.empty() ? (told ? 100 : 1) : told ? 5 : 0.2;
   return prior;
@@ -67,7 +67,7 @@ std::optional<FittedBall> fit_ball(std::span<const BallView> views, const Mirror
   if (!best) return best;
   best->agreement = agreement(views, best->ball, hints.photographer_rad);
   if (board.bend || !board.mesh.empty()) return best;
-  // It stands on the face unless that fits worse.
+  // It rests on the face unless this fits worse.
   prior.lift_sigma_mm = kContactSigma_mm;
   MirrorBall standing = best->ball;
   standing.center_mm.z() = standing.radius_mm;
@@ -120,7 +120,7 @@ void require_ball(const std::optional<FittedBall>& ball, std::span<const std::fi
     if (ball->views[v].found > ball->views[best].found) best = v;
   const double off = out_of_round(*ball);
   const OutlineLook& look = ball->views[best];
-  // An oval one is found in part; of what is found nearly all around, the shape can be told.
+  // An oval one is found in part; the shape is known only if nearly all of the outline is found.
   const bool oval =
       off > kMostOutOfRound && off * look.radius_px > kMostOutOfRound_px && ball->agreement < kSurelyAgreed;
   if (!shows_ball(*ball, best) || (oval && look.found < kNearlyWhole))

@@ -1,5 +1,5 @@
-// burin/calib/light/probe/find_ball.h - the mirror ball that stands on a board, found in all views or refused: search,
-// fit, and whether what was found is a ball.
+// burin/calib/light/probe/find_ball.h - finds the mirror ball on a board in all views, or refuses it: search, fit, and
+// a test that the object is a ball.
 #pragma once
 
 #include <cstddef>
@@ -14,26 +14,26 @@
 
 namespace burin {
 
-/// What is known of a ball and those who photographed it.
+/// Prior knowledge of a ball and of the photographers.
 struct BallHints {
   std::optional<double> ball_mm;   ///< its diameter
   double photographer_rad = 0.44;  ///< half of the cone about each camera in which views differ
 };
 
-/// The ball that fits best, in pictures of any size. Nothing where no outline is found. It stands on the face, or,
-/// where two views or its diameter tell, above it.
+/// The best-fitting ball, in pictures of any size. Empty if no outline is found. The ball rests on the face. If two
+/// views or its diameter determine its height, it may be above the face.
 std::optional<FittedBall> find_ball(std::span<const BallView> views, const Board& board, const BallHints& hints,
                                     const Progress& progress = {});
 
-/// The same from a guess that is right within a twentieth of the radius.
+/// Fits from a guess within a twentieth of the radius.
 std::optional<FittedBall> fit_ball(std::span<const BallView> views, const MirrorBall& guess, const Board& board,
                                    const BallHints& hints);
 
-/// Whether view `v` shows the ball: its outline, or the same room as the others.
+/// True if view `v` shows the ball: its outline, or the same room as the others.
 bool shows_ball(const FittedBall& ball, std::size_t v);
 
-/// Throws Error unless it is a ball: half hidden in all views, not round, or so small that its pixels span too much.
-/// `files`: a photo of each view.
+/// Throws Error for a ball half hidden in all views, not round, or so small that its pixels cover too large an angle.
+/// `files`: one photo per view.
 void require_ball(const std::optional<FittedBall>& ball, std::span<const std::filesystem::path> files);
 
 }  // namespace burin

@@ -15,7 +15,7 @@ std::optional<TangentCone> tangent_cone(const MirrorBall& ball, const Eigen::Vec
   if (!(distance > ball.radius_mm * (1 + 1e-9))) return std::nullopt;
   TangentCone cone;
   cone.axis = to / distance;
-  // Any two directions across: the axis of least share makes them well conditioned.
+  // Any two directions across: the axis with the smallest component conditions them well.
   Eigen::Index least = 0;
   cone.axis.cwiseAbs().minCoeff(&least);
   cone.right = cone.axis.cross(Eigen::Vector3d::Unit(least)).normalized();
@@ -30,7 +30,8 @@ std::optional<Eigen::Vector3d> mirror_normal(const MirrorBall& ball, const Eigen
   Eigen::Vector3d normal = to_light + from_center.normalized();
   if (!(normal.norm() > 1e-6)) return std::nullopt;
   normal.normalize();
-  // The eye is near: the way to it starts on the surface. A step errs by radius over distance times the last.
+  // The eye is near: iterate on the direction to it from the surface. Each step multiplies the error by radius over
+  // distance.
   constexpr int kMostSteps = 60;
   constexpr double kSettled = 1e-10;
   for (int step = 0; step < kMostSteps; ++step) {

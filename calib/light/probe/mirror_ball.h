@@ -1,5 +1,5 @@
-// burin/calib/light/probe/mirror_ball.h - a mirror ball as geometry: its outline from an eye, and where on it an eye
-// sees a direction. docs/model.md 11. Frame: board, mm.
+// burin/calib/light/probe/mirror_ball.h - the geometry of a mirror ball: its outline from an eye, and the point at
+// which an eye sees a direction. docs/model.md 11. Frame: board, mm.
 #pragma once
 
 #include <Eigen/Core>
@@ -21,11 +21,11 @@ struct TangentCone {
   /// The ray (unit) at `angle` from the axis, `turn` about it.
   Eigen::Vector3d ray(double angle, double turn) const;
 };
-/// Nothing for an eye that is in the ball or touches it.
+/// Empty for an eye inside the ball or on it.
 std::optional<TangentCone> tangent_cone(const MirrorBall& ball, const Eigen::Vector3d& eye_mm);
 
-/// Where an eye sees light from far away in a mirror ball: the surface's normal there (model.md 11.2). Nothing where
-/// the ball itself stands between: behind it as the eye sees it.
+/// The normal at the point of a mirror ball that reflects a distant light to an eye (model.md 11.2). Empty if the ball
+/// itself hides the light: if the light is behind it for the eye.
 std::optional<Eigen::Vector3d> mirror_normal(const MirrorBall& ball, const Eigen::Vector3d& eye_mm,
                                              const Eigen::Vector3d& to_light);
 

@@ -14,11 +14,11 @@ namespace {
 constexpr double kLeastReach_px = 3;
 constexpr double kLeastContrast = 0.05;       // of log(value), across an edge
 constexpr double kPlainContrast = 0.2;        // half as good as the strongest
-constexpr double kLeastOfStrongest = 0.2;     // of the strongest edge's contrast nearby
-constexpr double kWide_px = 8, kWide = 0.08;  // what is nearby: pixels, or a share of the radius
+constexpr double kLeastOfStrongest = 0.2;     // of the strongest contrast nearby
+constexpr double kWide_px = 8, kWide = 0.08;  // neighborhood: pixels, or a share of the radius
 constexpr double kHit_px = 1, kHit = 0.01;    // on the outline
 
-// What a view shows along rays, linear; NaN outside of its picture.
+// A view's values along rays, linear; NaN outside of its picture.
 void sample_rays(const BallView& view, std::span<const Eigen::Vector3d> rays, std::vector<double>& out) {
   std::vector<Eigen::Vector3d> camera(rays.size());
   for (std::size_t i = 0; i < rays.size(); ++i) camera[i] = view.T_camera_board.linear() * rays[i];
@@ -38,7 +38,7 @@ void sample_rays(const BallView& view, std::span<const Eigen::Vector3d> rays, st
   }
 }
 
-// How steep a profile is, each place's step across a sharp edge there being the whole of it; 0 near its ends.
+// Steepness of a profile: at each place the step of a sharp edge there; 0 near its ends.
 std::vector<double> steps_of(const std::vector<double>& profile, double blur_steps) {
   const int n = static_cast<int>(profile.size()), reach = std::max(1, static_cast<int>(std::lround(2 * blur_steps)));
   std::vector<double> out(profile.size(), 0);
@@ -54,7 +54,7 @@ std::vector<double> steps_of(const std::vector<double>& profile, double blur_ste
   return out;
 }
 
-// The same of the logarithm.
+// Steepness of the logarithm.
 std::vector<double> contrast_of(const std::vector<double>& profile, double dark, double blur_steps) {
   std::vector<double> ratios(profile.size());
   std::transform(profile.begin(), profile.end(), ratios.begin(),
@@ -62,8 +62,8 @@ std::vector<double> contrast_of(const std::vector<double>& profile, double dark,
   return steps_of(ratios, blur_steps);
 }
 
-// The place of the outline in a profile, in steps from its middle. Which edge it is, is told by ratios (a lamp's
-// reflection beats none), where it lies by differences: light is blurred, not its logarithm.
+// The place of the outline in a profile, in steps from its middle. Ratios choose the edge, since a lamp's reflection
+// outweighs all others in differences. Differences locate it: light is blurred, not its logarithm.
 std::optional<double> outline_in(const std::vector<double>& profile, double dark, int half, double blur_steps,
                                  PickEdge pick) {
   const int n = static_cast<int>(profile.size());
@@ -115,7 +115,7 @@ struct Profiles {
     half = static_cast<int>(std::ceil(reach_px / step_px)) + 4;
     rays.resize(2 * static_cast<std::size_t>(half) + 1);
   }
-  // False where it leaves the picture.
+  // False if it leaves the picture.
   bool sample(const BallView& view, double turn, std::vector<double>& profile) {
     for (std::size_t i = 0; i < rays.size(); ++i)
       rays[i] = cone.ray(cone.half_angle + (static_cast<int>(i) - half) * step_px / per_rad, turn);

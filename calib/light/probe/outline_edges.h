@@ -1,4 +1,4 @@
-// burin/calib/light/probe/outline_edges.h - edges in a picture where a ball's outline should be. docs/model.md 11.4.
+// burin/calib/light/probe/outline_edges.h - finds edges near a ball's predicted outline. docs/model.md 11.4.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,30 +10,31 @@
 
 namespace burin {
 
-/// Directions around an outline in which edges are looked for.
+/// Number of directions around an outline in which edges are sought.
 inline constexpr int kOutlineTurns = 180;
 
-/// An edge, and where it is seen.
+/// An edge with its place in a view.
 struct OutlineEdge {
   int view = 0;         ///< index into the views
   double turn = 0;      ///< about the tangent cone, rad
-  double off_px = 0;    ///< outside of where the ball says, photo pixels
+  double off_px = 0;    ///< distance outside the predicted outline, photo pixels
   Eigen::Vector3d ray;  ///< board, unit
 };
 
-/// Which edge is the outline: a plain one near where it should be; or, once that is about right, the outermost one that
-/// is not weak beside others. Within its outline a mirror ball shows what lies around, in strips that get narrower.
+/// Choice of the outline among edges. `nearest`: a clear edge near the predicted place. `outermost`, for a good guess:
+/// the outermost edge with sufficient contrast relative to others. Inside its outline a mirror ball shows its
+/// surroundings, in strips of decreasing width.
 enum class PickEdge { nearest, outermost };
 
-/// Edges within `reach` (of the radius, 3 pixels at least) of the ball's outline, at most one a direction.
+/// Edges within `reach` (of the radius, 3 pixels at least) of the ball's outline, at most one per direction.
 std::vector<OutlineEdge> edges_about(std::span<const BallView> views, const MirrorBall& ball, double reach,
                                      PickEdge pick);
 
-/// Share of the directions around the ball in which an edge lies on its outline, within a pixel or a hundredth of the
-/// radius, that is not weak beside other edges nearby. By chance about a quarter.
+/// Share of the directions around the ball with an edge on its outline, within a pixel or a hundredth of the radius.
+/// Edges of weak contrast relative to others nearby do not count. By chance about a quarter.
 double share_with_edge(const BallView& view, const MirrorBall& ball);
 
-/// Photo pixels a radian in the directions of a tangent cone.
+/// Photo pixels per radian in the directions of a tangent cone.
 double pixels_per_rad(const BallView& view, const TangentCone& cone);
 
 }  // namespace burin

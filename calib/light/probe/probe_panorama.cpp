@@ -13,12 +13,12 @@
 namespace burin {
 namespace {
 
-constexpr double kLeastCosine = 0.17, kGoodCosine = 0.34;  // of incidence: 80 degrees, where the rim blurs, and 70
-constexpr double kFaint = 1e-5;  // weight of what is seen of the photographer, or clipped: used where nothing else is
+constexpr double kLeastCosine = 0.17, kGoodCosine = 0.34;  // of incidence: 80 degrees, near the blurred rim, and 70
+constexpr double kFaint = 1e-5;     // weight of light from the photographer, or clipped: used only without other light
 constexpr double kSoftEdge = 1.25;  // the photographer's cone ends over a quarter of its angle
 constexpr int kMostAcross = 8;      // directions of a pixel, each way
 
-// One view's look at one direction.
+// One view of one direction.
 struct Look {
   double weight = 0;
   bool photographer = false;
@@ -30,7 +30,7 @@ double smooth_step(double from, double to, double x) {
   return t * t * (3 - 2 * t);
 }
 
-// Whether a way from the ball ends on the board.
+// True if a ray from the ball ends on the board.
 bool meets_board(const Eigen::Vector3d& from, const Eigen::Vector3d& to, const Eigen::Vector2d& board_mm) {
   if (!(to.z() < 0)) return false;
   const Eigen::Vector2d at = (from - from.z() / to.z() * to).head<2>();
@@ -48,7 +48,7 @@ Look look_at(const BallPicture& picture, const Eigen::Vector3d& eye, const Mirro
   if (meets_board(at, to, how.board_mm)) return look;
   look.ball_mm = picture.T_camera_board * at;
   if (!(look.ball_mm.z() > 0)) return look;
-  // Pixels a steradian: the surface as the eye sees it, and half a turn of the normal for one of the direction.
+  // Pixels per steradian: the projected surface, and the normal's half angle per angle of the direction.
   const double fine = picture.lens.intrinsics[0] * ball.radius_mm / (eye - at).norm();
   const double away = std::acos(std::clamp(to.dot((eye - ball.center_mm).normalized()), -1.0, 1.0));
   const double clear = smooth_step(how.photographer_rad, kSoftEdge * how.photographer_rad, away);
@@ -57,7 +57,7 @@ Look look_at(const BallPicture& picture, const Eigen::Vector3d& eye, const Mirro
   return look;
 }
 
-// Between pixels' centers. False outside of the picture.
+// Interpolates between pixels' centers. False outside of the picture.
 bool sample_ball(const BallPicture& picture, const Eigen::Vector2d& photo_px, Eigen::Vector3d& value, bool& clipped) {
   const Eigen::Vector2d q = (photo_px - picture.origin_px) / picture.scale;
   const int w = picture.value.width, h = picture.value.height;
@@ -77,7 +77,7 @@ bool sample_ball(const BallPicture& picture, const Eigen::Vector2d& photo_px, Ei
   return true;
 }
 
-// A direction of a pixel, all views together.
+// Sum over all views for one direction of a pixel.
 struct Sum {
   Eigen::Vector3d light{0, 0, 0};
   double weight = 0, clipped = 0, photographer = 0;
@@ -91,7 +91,7 @@ double largest_radius_px(std::span<const BallPicture> pictures, const MirrorBall
   return largest;
 }
 
-// Directions of a pixel each way, so that no picture's pixel is passed over.
+// Directions per pixel each way, without skipping a picture's pixel.
 int directions_across(std::span<const BallPicture> pictures, const MirrorBall& ball, int width) {
   return std::clamp(static_cast<int>(std::ceil(2 * std::numbers::pi / width * largest_radius_px(pictures, ball))), 2,
                     kMostAcross);
@@ -156,7 +156,7 @@ ProbePanorama probe_panorama(std::span<const BallPicture> pictures, const Mirror
       }
       if (2 * count < static_cast<int>(each)) continue;
       for (int c = 0; c < 3; ++c) frame.radiance.at(x, row, c) = static_cast<float>(std::max(0.0, light[c] / count));
-      // One lost direction is enough to make a pixel's light a lower bound.
+      // One clipped direction makes a pixel's light a lower bound.
       out.seen[static_cast<std::size_t>(row) * how.width + x] = clipped > 0                ? Seen::clipped
                                                                 : 2 * photographer > count ? Seen::photographer
                                                                                            : Seen::well;
@@ -167,7 +167,7 @@ ProbePanorama probe_panorama(std::span<const BallPicture> pictures, const Mirror
 }
 
 int panorama_width(std::span<const BallPicture> pictures, const MirrorBall& ball) {
-  // A pixel in the ball's middle turns the direction by two over the ball's radius in pixels.
+  // A pixel at the ball's middle rotates the direction by two over the ball's radius in pixels.
   const double pixels = std::numbers::pi * largest_radius_px(pictures, ball);
   return std::clamp(64 * static_cast<int>(std::ceil(pixels / 64)), 256, 2048);
 }

@@ -14,15 +14,15 @@ namespace burin {
 namespace {
 
 constexpr int kGlance_px = 1200;      // width of the small pictures
-constexpr double kLargePhoto = 40e6;  // pixels: larger photos are halved, which leaves the ball large enough
-constexpr double kAroundBall = 1.25;  // of the ball's radius is kept
+constexpr double kLargePhoto = 40e6;  // pixels: larger photos are halved, and the ball stays large enough
+constexpr double kAroundBall = 1.25;  // of the ball's radius: the part kept
 constexpr double kMostPaperClipped = 0.1;
 
 Image smaller(const Image& gray, int by) {
   return by <= 1 ? gray : resized(gray, std::max(1, gray.width / by), std::max(1, gray.height / by));
 }
 
-// R G B of the white paper of each tag of one view; what is clipped is left out.
+// R G B of the white paper of each tag of one view, without clipped tags.
 std::vector<Eigen::Vector3d> paper_of(const MergedView& view, const TagsInPhoto& tags, const std::string& family) {
   std::vector<TagDetection> small = tags.tags;
   for (TagDetection& tag : small)

@@ -1,5 +1,5 @@
-// burin/calib/light/probe/probe_photos.h - the photos of a light probe, read twice: small, for tags and a first look at
-// the ball; then the part that shows it, as the sensor saw it.
+// burin/calib/light/probe/probe_photos.h - reads the photos of a light probe twice: small, for tags and a first look at
+// the ball; then the ball's part at full resolution.
 #pragma once
 
 #include <optional>
@@ -17,7 +17,7 @@
 
 namespace burin {
 
-/// What the first reading keeps of a bracket.
+/// Result of the first reading of a bracket.
 struct ProbeGlance {
   ViewTags tags;
   Image gray;                          ///< small
@@ -27,12 +27,12 @@ struct ProbeGlance {
 std::vector<ProbeGlance> glance_at(const Session& session, std::span<const Bracket> brackets,
                                    std::span<const NoiseModel> noise, const Board& board, const Progress& progress);
 
-/// The part of each view that shows the ball. `brackets`: those of `places`, one each of `places`.
+/// The part of each view that shows the ball. `brackets` and `places` correspond one to one.
 std::vector<BallPicture> pictures_of_ball(const Session& session, std::span<const Bracket> brackets,
                                           std::span<const NoiseModel> noise, std::span<const BallView> places,
                                           const MirrorBall& ball, const Progress& progress);
 
-/// The same in gray, as outlines are sought in.
+/// The picture in gray, for outlines.
 BallView in_gray(const BallPicture& picture);
 
 }  // namespace burin

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kLongestGap_s = 60;
 
-// Photos of one view, which follow one another: from, to (behind the last).
+// Consecutive photos of one view: from, to (behind the last).
 struct Run {
   std::size_t from = 0, to = 0;
   bool shows_tags = false;
@@ -41,7 +41,7 @@ void join_dark_views(FolderSession& folder) {
   };
   for (std::size_t r = 0; r < runs.size(); ++r) {
     if (runs[r].shows_tags) continue;
-    // Over other dark views, up to one that shows tags.
+    // Past other dark views, up to one with tags.
     std::optional<std::size_t> before, after;
     for (std::size_t k = r; k-- > 0 && !before;)
       if (runs[k].shows_tags) before = k;

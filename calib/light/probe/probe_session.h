@@ -1,5 +1,5 @@
-// burin/calib/light/probe/probe_session.h - plain photos of a mirror ball into a session: as `burin capture` sorts
-// them, but what is too dark to show a tag belongs to the place beside it.
+// burin/calib/light/probe/probe_session.h - sorts plain photos of a mirror ball into a session as `burin capture` does.
+// Photos too dark to show a tag join a neighboring view.
 #pragma once
 
 #include <optional>
@@ -9,12 +9,12 @@
 
 namespace burin {
 
-/// Joins views in which no tag is seen with the one that was photographed right before or after, whichever is nearer in
-/// time (the one before, where photos tell no time), and at most a minute away: the shortest exposures of a bracket
-/// hold the sun and nothing else. Views keep their order and the other views' names.
+/// Joins views without a detected tag with the view photographed right before or after, the nearer in time and at most
+/// a minute away. Without times it is the view before. The shortest exposures of a bracket show only the sun. Views
+/// keep their order and the other views' names.
 void join_dark_views(FolderSession& folder);
 
-/// A lens as EXIF tells it, by the 35 mm equivalent of the first photo that has one. Nothing where none does.
+/// A lens from the 35 mm equivalent focal length in EXIF, by the first photo with one. Empty if no photo has one.
 std::optional<Lens> lens_by_exif(const FolderSession& folder);
 
 }  // namespace burin

@@ -1,14 +1,14 @@
-// burin/calib/light/probe/seen.h - how well a direction of a light probe is known.
+// burin/calib/light/probe/seen.h - classifies a direction of a light probe by the quality of its evidence.
 #pragma once
 
 #include <cstdint>
 
 namespace burin {
 
-/// Where a direction's light comes from.
+/// Source of a direction's light.
 enum class Seen : std::uint8_t {
   nowhere,       ///< filled from its neighbors
-  photographer,  ///< every view that shows it shows whoever held the camera, or the camera, there
+  photographer,  ///< every view of this direction shows the photographer or the camera there
   clipped,       ///< too bright for the shortest exposure of every view that shows it: a lower bound
   well
 };
