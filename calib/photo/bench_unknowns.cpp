@@ -11,8 +11,8 @@
 namespace burin {
 namespace {
 
-// How the unknown whose first number is `first` is read from a bench and written into it. `light`: the lamp's index,
-// for what each lamp has.
+// Reads the unknown whose first index is `first` from a bench, and writes it. `light`: the lamp's index, for a lamp's
+// unknowns.
 struct Link {
   int first;
   void (*read)(const Bench& bench, const Problem& problem, std::size_t light, double* to);
@@ -66,7 +66,7 @@ constexpr Link of_screw_period() {
           }};
 }
 
-// A light that nobody named: where there is none its numbers are 0 but for a nearness, so that none is infinite.
+// An unmodeled light; without one its numbers are 0, except a nearness, so none is infinite.
 template <int First, int Count>
 void read_stray(const Bench& b, const Problem& p, std::size_t, double* to) {
   const StrayNumbers numbers = b.stray ? stray_numbers(*b.stray, p.model.board->size_mm) : StrayNumbers{0, 0, 1, 0, 0};
@@ -75,10 +75,10 @@ void read_stray(const Bench& b, const Problem& p, std::size_t, double* to) {
 template <int First, int Count>
 constexpr Link of_stray() {
   return {unknown::stray + First, read_stray<First, Count>,
-          [](const double*, const Problem&, std::size_t, Bench&) {}};  // written with the last, which follows
+          [](const double*, const Problem&, std::size_t, Bench&) {}};  // written with the last one, which follows
 }
 
-// The lamp's position stands before its axis, which is written from both.
+// The lamp's position comes before its axis, which is written from both.
 constexpr auto kLinks = std::to_array<Link>({
     of_material<&Material::alpha>(unknown::log_alpha),
     of_material<&Material::depth_um>(unknown::log_depth),
@@ -155,7 +155,7 @@ constexpr auto kLinks = std::to_array<Link>({
     of_stray<kStrayNearness, 1>(),
     of_stray<kStrayIrradiance, 1>(),
     {unknown::stray_spread2, read_stray<kStraySpread2, 1>,
-     [](const double* from, const Problem& p, std::size_t, Bench& b) {  // and the others, which stand before it
+     [](const double* from, const Problem& p, std::size_t, Bench& b) {  // with the others, which precede it
        const StrayNumbers numbers = stray_numbers(from - kStraySpread2);
        b.stray.reset();
        if (numbers[kStrayIrradiance] > 0) b.stray = stray_light(numbers, p.model.board->size_mm);
@@ -204,7 +204,7 @@ constexpr auto kLinks = std::to_array<Link>({
      },
      [](const double* from, const Problem& p, std::size_t light, Bench& b) {
        Light& l = b.lights[light];
-       if (seeks_size(p, light))  // else as it was given, to the last bit
+       if (seeks_size(p, light))  // else as given, to the last bit
          l.size = lamp_size({from[unknown::size2 - unknown::sides2], {from[0], from[1]}}, size_unit_mm(*p.model.board),
                             l.position_mm.norm());
      }},

@@ -1,4 +1,4 @@
-// burin/calib/photo/bench_unknowns.h - between a bench and a problem's unknowns: how each is read and written.
+// burin/calib/photo/bench_unknowns.h - reads a problem's unknowns from a bench and writes them back.
 #pragma once
 
 #include "burin/calib/photo/photo_problem.h"
@@ -6,11 +6,11 @@
 
 namespace burin {
 
-/// What a bench says of all unknowns, in the problem's units: the blur in pixels of its merged photos (a usual one
-/// where the bench says none), a lamp's aim where its axis meets the board's plane.
+/// A bench's values of all unknowns, in the problem's units. The blur is in pixels of its merged photos (a usual one if
+/// the bench has none). A lamp's aim is the point at which its axis meets the board's plane.
 State state_of(const Bench& bench, const Problem& problem);
 
-/// Writes them all into a bench whose lamps are the problem's.
+/// Writes all unknowns into a bench whose lamps are the problem's.
 void put_state(const State& state, const Problem& problem, Bench& bench);
 
 }  // namespace burin

@@ -33,7 +33,7 @@ std::vector<Piece> pieces_of(const Scratches& s) {
   return out;
 }
 
-// What is carved in one part of the board.
+// Carved pieces in one part of the board.
 struct Cell {
   std::vector<Piece> pieces;
   Eigen::Vector2d middle_mm() const {
@@ -61,7 +61,7 @@ BoardSample sample_of(const Scratches& scratches, const Board& board, double mos
   constexpr double kSmaller = 0.95, kLeastHalfMm = 3;
   const Eigen::Vector2d size_mm = board.carve_max_mm - board.carve_min_mm;
   if (expected_pieces(scratches, size_mm.prod()) <= most_pieces) return {};
-  // The fewer squares there are, the first of these, the further they are from one another.
+  // The first few of these are far from one another.
   constexpr std::array<std::size_t, 16> kSpread{0, 10, 2, 8, 5, 15, 7, 13, 1, 11, 3, 9, 4, 14, 6, 12};
   std::array<Cell, kSpread.size()> cells;
   for (const Piece& piece : pieces_of(scratches)) {

@@ -1,5 +1,5 @@
-// burin/calib/photo/board_tiles.h - the squares of the board that scores are summed over, so that their scatter tells
-// errors of neighboring pixels that are alike. docs/model.md 9, "Sigmas".
+// burin/calib/photo/board_tiles.h - divides the board into squares over which scores are summed. The sums' scatter
+// shows correlated errors of neighboring pixels. docs/model.md 9, "Sigmas".
 #pragma once
 
 #include "burin/base/cell_grid.h"
@@ -9,8 +9,8 @@ namespace burin {
 
 inline constexpr double kTileMm = 20;
 
-/// Squares of `side_mm`; larger ones on a board of more than some two thirds of a meter, where more would take memory
-/// and tell nothing.
+/// Squares of `side_mm`; larger ones on a board of more than some two thirds of a meter. More squares there would take
+/// memory and add no information.
 inline CellGrid board_tiles(const Board& board, double side_mm = kTileMm) {
   constexpr double kMost = 1024;
   return cell_grid(board.size_mm, side_mm, kMost);

@@ -8,16 +8,16 @@
 namespace burin {
 namespace {
 
-// What carve() asks of a bench: states that differ in nothing else have the same grooves in the metal.
+// The parameters that carve() uses: states with equal keys have the same carved grooves.
 std::vector<double> key_of(const Bench& bench) {
   const GrooveProfile& profile = bench.material.profile;
   const MachineErrors& errors = bench.machine_errors;
   std::vector<double> key{bench.material.depth_um, bench.material.alpha,  static_cast<double>(profile.kind),
                           profile.flank_deg,       profile.tip_radius_um, static_cast<double>(bench.crossings)};
-  const auto add = [&](const auto& numbers) {  // one by one: GCC 14 sees copies past the first six where there are none
+  const auto add = [&](const auto& numbers) {  // one by one: GCC 14 warns of copies past the first six without reason
     for (const double number : numbers) key.push_back(number);
   };
-  key.push_back(profile.has_burrs() ? 1 : 0);  // not how high they are
+  key.push_back(profile.has_burrs() ? 1 : 0);  // not their height
   add(bench.machine_affine.reshaped());
   add(errors.backlash_mm);
   add(errors.screw_sin_mm);
@@ -28,7 +28,7 @@ std::vector<double> key_of(const Bench& bench) {
   return key;
 }
 
-// A few dozen states of an ordinary board; of one with a million pieces, the last two.
+// A few dozen states of an ordinary board; with a million pieces, the last two.
 constexpr std::size_t kMostPieces = 2'000'000, kMostStates = 32;
 
 }  // namespace
@@ -42,7 +42,7 @@ std::shared_ptr<const Carved> CarvedStates::at(const Unknowns& x) const {
     std::rotate(found, found + 1, entries_.end());
     return entries_.back().carved;
   }
-  // A thread that waits for its helpers must not take up another photo, which would ask here again.
+  // A thread waiting for its helpers must not begin another photo, which would call this again.
   tbb::this_task_arena::isolate([&] {
     entries_.push_back({std::move(key), std::make_shared<const Carved>(carved_at(model_, x))});
   });

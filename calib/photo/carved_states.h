@@ -1,6 +1,5 @@
-// burin/calib/photo/carved_states.h - grooves in the metal at the states that a fit asks for. All photos of an
-// iteration share them, and so do derivatives by differences: cutting grooves where they cross takes longer than
-// rendering them.
+// burin/calib/photo/carved_states.h - caches carved grooves at the states of a fit. All photos of an iteration share
+// them, as do finite differences: cutting grooves at crossings takes longer than rendering them.
 #pragma once
 
 #include <deque>
@@ -12,7 +11,7 @@
 
 namespace burin {
 
-/// carved_at() of one model, which must outlive it, with the latest answers kept. Several threads may ask at once.
+/// carved_at() of one model, which must outlive it, with a cache of the latest results. Thread-safe.
 class CarvedStates {
  public:
   explicit CarvedStates(const ModelData& model) : model_(model) {}

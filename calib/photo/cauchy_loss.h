@@ -1,4 +1,4 @@
-// burin/calib/photo/cauchy_loss.h - the robust loss of fits to pixels. docs/model.md 9.7.
+// burin/calib/photo/cauchy_loss.h - the robust loss of pixel residuals. docs/model.md 9.7.
 #pragma once
 
 #include <algorithm>
@@ -6,7 +6,7 @@
 
 namespace burin {
 
-/// Of s = r^2: rho(s), rho'(s), and half the second derivative of rho by r, at least 0.
+/// Functions of s = r^2: rho(s), rho'(s), and half the second derivative of rho by r, at least 0.
 struct Loss {
   double rho, weight, curvature;
 };

@@ -24,8 +24,8 @@ using Eigen::Vector2d;
 using Eigen::VectorXd;
 
 constexpr double kAcrossPrior = 0.05;
-constexpr double kTravelPrior = 0.3;  // of a tool that hardly minds which way it goes
-constexpr int kSectors = 12;          // of a fan, whose scores are summed
+constexpr double kTravelPrior = 0.3;  // of a tool with little dependence on the direction of travel
+constexpr int kSectors = 12;          // of a fan, over each of which scores are summed
 
 Vector2d travel_of(const Scratches& s, std::size_t i) {
   return Vector2d(s.x1_mm[i] - s.x0_mm[i], s.y1_mm[i] - s.y0_mm[i]).normalized();
@@ -33,7 +33,7 @@ Vector2d travel_of(const Scratches& s, std::size_t i) {
 
 constexpr int kTrends = 4;  // travel, across
 
-// By what a scratch's depth follows travel (2) and across (2).
+// Factors of a scratch's log depth by travel (2) and across (2).
 Eigen::Vector4d trends_of(const Scratches& s, std::size_t i, const CouponFan& fan) {
   const Vector2d middle(0.5 * (s.x0_mm[i] + s.x1_mm[i]), 0.5 * (s.y0_mm[i] + s.y1_mm[i]));
   Eigen::Vector4d out;
@@ -41,7 +41,7 @@ Eigen::Vector4d trends_of(const Scratches& s, std::size_t i, const CouponFan& fa
   return out;
 }
 
-// Of each scratch the fan it belongs to; -1: none.
+// Index of each scratch's fan; -1: none.
 std::vector<int> fan_of_rows(const Coupon& coupon, std::size_t rows) {
   std::vector<int> fan(rows, -1);
   for (std::size_t f = 0; f < coupon.fans.size(); ++f)
@@ -55,7 +55,7 @@ double mean_of(const std::vector<double>& values) {
   return sum / static_cast<double>(values.size());
 }
 
-// What each photo shows of the carved scratches.
+// Each photo's prediction with the carved scratches.
 Image value_of(const FanProblem& problem, std::size_t k, const State& state, const Carved& carved) {
   const PhotoData& photo = problem.data.photos[k];
   return predict(problem.data.model, photo, state.of(photo.photo.light), carved);
@@ -67,7 +67,7 @@ Carved carved_of(FanProblem& problem, Sent& sent, const State& state, const FanV
   return carved_pieces(problem.data.model, state.of(0));
 }
 
-// Half the robust sum over a photo's pixels, by fan; the last entry: what lies in no fan.
+// Half the robust sum over a photo's pixels, by fan; the last entry: pixels of no fan.
 void add_costs(const FanProblem& problem, std::size_t k, const Image& value, std::vector<double>& costs) {
   const PhotoData& photo = problem.data.photos[k];
   for (std::size_t i = 0; i < value.data.size(); ++i) {
@@ -88,7 +88,7 @@ double prior_cost(const FanProblem& problem, const FanValues& values) {
   return cost;
 }
 
-// Of paper and of the table's priors.
+// Cost of paper and of the table's priors.
 double other_cost(const Problem& data, const State& state, const std::vector<bool>& free) {
   double cost = 0;
   for (const LightSample& sample : data.paper) {
@@ -115,7 +115,7 @@ double total_cost(FanProblem& problem, const State& state, const FanValues& valu
   return cost;
 }
 
-// All numbers of the fit in one vector: the fans', the shared and the lamps', and, behind them, cameras, bow and lens.
+// All unknowns of the fit in one vector: the fans', the shared and the lamps', and then cameras, bow and lens.
 struct FanLayout {
   Index fans = 0, own = 0, global = 0, geometry = 0, lens = 0;
 
@@ -149,7 +149,7 @@ struct FanEquations {
         g(VectorXd::Zero(n)) {}
 };
 
-// A photo's derivatives by what fans share.
+// A photo's derivatives by the shared trends of the fans.
 std::array<Image, kTrends> trend_slopes(const FanProblem& problem, std::size_t k, const State& state,
                                         const Carved& carved, const Image& value) {
   constexpr double kStep = 0.02;
@@ -185,7 +185,8 @@ FreeUnknowns wanted_of(const Stage& stage, const FanLayout& layout) {
   return wanted;
 }
 
-// One photo's part. Its row of derivatives is short: by the pixel's own fan, travel, and what the photo depends on.
+// Adds one photo. Its row of derivatives is short: by the pixel's own fan, by travel, and by the photo's other
+// unknowns.
 void add_photo(const FanProblem& problem, std::size_t k, const State& state, const Carved& carved,
                const CarvedStates& grooves, const Stage& stage, const FanLayout& layout, FanEquations& out) {
   const ModelData& model = problem.data.model;
@@ -256,7 +257,7 @@ void add_photo(const FanProblem& problem, std::size_t k, const State& state, con
   }
 }
 
-// Priors of fans and of the table, paper, and the tags' word on cameras.
+// Adds priors of fans and of the table, paper, and the tags' prior of cameras.
 void add_others(const FanProblem& problem, const State& state, const FanValues& values, const std::vector<bool>& free,
                 const FanLayout& layout, FanEquations& out) {
   const auto add = [&](Index at, double information, double off) {
@@ -323,7 +324,7 @@ std::vector<bool> all_free(const FanProblem& problem, const Stage& stage, const 
   return free;
 }
 
-// The stage without the depth and roughness that all fans would share.
+// The stage without the shared depth and roughness of all fans.
 Stage without_grooves(Stage stage) { return stage.hold({Group::groove, Group::depth}); }
 
 }  // namespace
@@ -383,7 +384,7 @@ void find_fans(const State& state, FanProblem& problem) {
       double nearest = std::numeric_limits<double>::infinity();
       for (std::size_t f = 0; f < coupon.fans.size(); ++f) {
         const double distance = (p - carved(coupon.fans[f].center_mm)).norm();
-        // Light that the blur carries out of a fan is still its own.
+        // Light blurred out of a fan still belongs to it.
         if (distance > coupon.fans[f].radius_mm + 4 * kMargin_mm || distance >= nearest) continue;
         nearest = distance;
         fans[i] = static_cast<int>(f);
@@ -433,7 +434,7 @@ double fit_fans(FanProblem& problem, const Stage& stage, int max_iterations, Sta
     if (progress) progress("fitting each fan", static_cast<double>(iteration) / max_iterations);
     const FanEquations e = equations_of(problem, held, state, values, layout);
     VectorXd step = -safe_inverse(e.H, all_free(problem, held, state, layout)) * e.g;
-    // What the photos hardly tell must not run off in one step.
+    // Poorly constrained unknowns must not diverge in one step.
     constexpr double kMostStep = 0.5;
     const double largest = step.head(layout.own).cwiseAbs().maxCoeff();
     if (largest > kMostStep) step *= kMostStep / largest;
@@ -467,10 +468,10 @@ MatrixXd fan_covariance(FanProblem& problem, const Stage& stage, const State& st
   const FanLayout layout(problem, state, true);
   const FanEquations e = equations_of(problem, held, state, values, layout);
   const MatrixXd inverse = safe_inverse(e.curvature, all_free(problem, held, state, layout));
-  // Scores: of sectors, and of all that is no pixel.
+  // Scores of sectors, and of all terms other than pixels.
   FanEquations others(layout.size(), 0);
   add_others(problem, state, values, free_unknowns(problem.data, held, state.lamps.size()), layout, others);
-  // And of whole fans, for what fans share: a fan's own errors.
+  // Scores of whole fans for the shared parameters: a fan's own errors.
   const auto groups = static_cast<Index>(problem.coupon->fans.size() + 1);
   MatrixXd of_fans = MatrixXd::Zero(layout.size(), groups);
   for (Index c = 0; c < e.clusters.cols(); ++c) of_fans.col(c / kSectors % groups) += e.clusters.col(c);

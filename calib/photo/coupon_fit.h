@@ -1,9 +1,9 @@
-// burin/calib/photo/coupon_fit.h - the photos of a coupon (burin/scene/coupon.h) fitted fan by fan: each fan has a
-// depth and a roughness of its own, all share how depth changes with the direction of travel, and lamp, face, machine's
-// map, light and blur move along. Frame: board, mm. docs/calibration.md, "The coupon".
+// burin/calib/photo/coupon_fit.h - fits the photos of a coupon (burin/scene/coupon.h) fan by fan. Each fan has its own
+// depth and roughness. All share the dependence of depth on the direction of travel. Lamp, face, affine machine
+// calibration, light and blur move along. Frame: board, mm. docs/calibration.md, "The coupon".
 //
-// Photos are compared pixel by pixel with what the renderer predicts, as in photo_equations.h. Fans lie apart, so one
-// change of all depths at once shows, in each pixel, the slope by the depth of the fan that the pixel lies in.
+// Residuals compare each pixel with the renderer's prediction, as in photo_equations.h. Fans are separate: one change
+// of all depths at once therefore gives, in each pixel, the derivative by the depth of its own fan.
 #pragma once
 
 #include <Eigen/Core>
@@ -17,46 +17,46 @@
 
 namespace burin {
 
-/// What is sought of each fan, and what they share.
+/// Unknowns of each fan, and the shared ones.
 struct FanValues {
-  std::vector<double> log_depth, log_alpha;  ///< um; a fan's, at its center
+  std::vector<double> log_depth, log_alpha;  ///< um; one per fan, at its center
   Eigen::Vector2d travel{0, 0};              ///< log depth rises by this . (unit vector of travel)
-  /// and by this . (scratch's middle from its fan's center, in its radii): a sheet that is tilted, or what the photos
-  /// have wrong across a fan, is no travel.
+  /// and by this . (scratch's middle from its fan's center, in its radii). This keeps a tilted sheet, or errors of the
+  /// photos across a fan, out of `travel`.
   Eigen::Vector2d across{0, 0};
 };
 
-/// Where all this starts from: one depth a fan as the coupon believes, one roughness.
+/// Initial guess: one prior depth per fan from the coupon, and one roughness.
 FanValues believed_fans(const Coupon& coupon, double alpha);
 
-/// The scratches as the machine was told them, with the depth and roughness that these values say. Scratches of no fan
-/// (date and number) have the mean of all.
+/// The commanded scratches with the depth and roughness of these values. Scratches of no fan (date and number) have the
+/// mean of all.
 Sent scratches_of(const Scratches& told, const Coupon& coupon, const FanValues& values);
 
-/// What a fit of fans works on. The problem's `sent` is this one's; its board must believe in the material that
-/// scratches with depths of their own count from, and the state's depth and roughness be the board's.
+/// Data of a fit of fans. The problem's `sent` must be this one's. Scratches with depths of their own count from the
+/// material of its board, and the state's depth and roughness must be the board's.
 struct FanProblem {
   const Coupon* coupon = nullptr;
   Scratches told;
-  FanValues prior;                             ///< weak: what photos do not tell stays near it
+  FanValues prior;                             ///< weak: values that photos do not constrain stay near it
   Problem data;                                ///< of all photos
   std::vector<std::vector<int>> fan_of_pixel;  ///< [photo][pixel]; -1: none
 };
 
-/// Tells pixels by the fan they lie in, under this machine's map, and leaves out those that show the date.
+/// Assigns pixels to fans, under this affine machine calibration, and leaves out pixels of the date.
 void find_fans(const State& state, FanProblem& problem);
 
-/// Tries depths from a quarter to four times those given, and roughnesses from a half to the double, cell by cell, and
-/// takes what explains the photos best.
+/// Tries depths from a quarter to four times the given ones, and roughnesses from half to double, cell by cell. Keeps
+/// the best explanation of the photos.
 void try_fans(FanProblem& problem, const State& state, FanValues& values, const Progress& progress);
 
-/// Moves values and state (but cameras) to the optimum. Returns the cost.
+/// Moves values and state (except cameras) to the optimum. Returns the cost.
 double fit_fans(FanProblem& problem, const Stage& stage, int max_iterations, State& state, FanValues& values,
                 const Progress& progress);
 
-/// How well the photos tell the values: one covariance over the fans' log depths, then their log roughnesses, then
-/// travel, then across. The larger, number by number, of two estimates: from the curvature, and from scores summed over
-/// fans' sectors (errors that a groove has in all its pixels). Cameras and all other unknowns are eliminated, not held.
+/// One covariance over the fans' log depths, then their log roughnesses, then travel, then across. It is, number by
+/// number, the larger of two estimates: from the curvature, and from scores summed over fans' sectors. The second
+/// includes errors common to all pixels of a groove. Cameras and all other unknowns are eliminated, not held.
 Eigen::MatrixXd fan_covariance(FanProblem& problem, const Stage& stage, const State& state, const FanValues& values);
 
 /// Sigmas of the weak priors: of the logarithms of depth and roughness.

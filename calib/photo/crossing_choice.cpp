@@ -17,7 +17,7 @@ CrossingChoice choose_crossings(const Problem& data, const Stage& stage, const S
     for (std::size_t k = 0; k < data.photos.size(); k += stride) few.push_back(std::move(seen.photos[k]));
     seen.photos = std::move(few);
   }
-  for (PhotoData& photo : seen.photos) photo.correction.clear();  // for its binning under one of the rules
+  for (PhotoData& photo : seen.photos) photo.correction.clear();  // which is for binning under one of the rules
   const Stage freed = all ? stage : stage_of_sample(stage);
   CrossingChoice best;
   double best_cost = 0;

@@ -1,8 +1,7 @@
-// burin/calib/photo/crossing_choice.h - what is seen where grooves cross, by the rule that explains photos best.
-// docs/model.md 7.6, 7.10.
+// burin/calib/photo/crossing_choice.h - chooses the crossing rule by the photos. docs/model.md 7.6, 7.10.
 //
-// Grooves that are cut by one another are many pieces: of 10,000 strokes 15 mm long on 80 mm a groove crosses 230
-// others. A few photos tell the rules apart as all do, and of a crowded board a sample of it.
+// Grooves that cut one another become many pieces: of 10,000 strokes 15 mm long on 80 mm, a groove crosses 230 others.
+// A few photos separate the rules as well as all do, and so does a sample of a crowded board.
 #pragma once
 
 #include <cstddef>
@@ -12,15 +11,15 @@
 
 namespace burin {
 
-/// What is cut where it crosses: above this many pieces (expected_pieces) a photo's derivatives take more than 4 GB.
+/// Limit of pieces (expected_pieces) for cut crossings: beyond it a photo's derivatives take more than 4 GB.
 inline constexpr double kMostPieces = 6e6;
 
 struct CrossingChoice {
   Crossings rule = Crossings::add;
   State state;
 };
-/// Fits from `state` by each rule, at the photos' resolution and weights. On a crowded board grooves alone are
-/// fitted, to a part of it.
+/// Fits from `state` by each rule, at the photos' resolution and weights. On a crowded board it fits grooves alone, to
+/// a part of it.
 CrossingChoice choose_crossings(const Problem& data, const Stage& stage, const State& state, const Progress& progress);
 
 }  // namespace burin

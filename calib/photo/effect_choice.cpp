@@ -60,9 +60,9 @@ bool photos_ask_for(const Problem& data, const State& state, const EffectEquatio
   for (std::size_t i = 0; i < free.size(); ++i)
     if (free[i] && !held[i]) added.push_back(static_cast<Eigen::Index>(i));
   const Gain gain = gain_of(held_out_gains(e, equations.H, equations.g, held, added));
-  // What shows in few views (a flank's flash, in those at its angle) scatters as much as it gains.
+  // An effect in few views (a flank's flash, in views at its angle) scatters as much as it gains.
   if (!(gain.sum > least.standard_errors * gain.standard_error)) return false;
-  // Beyond what places of the board make up: scores by square as they scatter, what the effect explains taken off.
+  // Beyond the scatter between places of the board: scores by square, without the effect's part.
   const Eigen::MatrixXd inverse = safe_inverse(equations.H, free);
   const Eigen::VectorXd step = -inverse * equations.g;
   Eigen::MatrixXd scores = e.tiles;
@@ -74,13 +74,13 @@ bool photos_ask_for(const Problem& data, const State& state, const EffectEquatio
 
 namespace {
 
-// What pulls at one piece of a groove, along x and y, and where the machine was told to be.
+// Scores of one groove piece's place along x and y, and its commanded place.
 struct Pulls {
   std::vector<Eigen::Vector2d> place_mm, pull;
 };
 
 Pulls pulls_of(const Problem& data, const State& state) {
-  // Pieces of a millimeter, as a screw of this period would make; its error is nothing.
+  // Cut into pieces of a millimeter by a screw of this period with negligible error.
   constexpr double kPeriodMm = 8, kNothing = 1e-9;
   State cut = state;
   for (int axis = 0; axis < 2; ++axis) {
@@ -99,8 +99,7 @@ Pulls pulls_of(const Problem& data, const State& state) {
     out.place_mm.emplace_back(data.model.center_mm + back * (middle - data.model.center_mm - map.shift_mm));
   }
   out.pull.assign(n, Eigen::Vector2d::Zero());
-  // Every second photo of many: a spectrum needs no more, and derivatives by every millimeter of groove take their
-  // time.
+  // Every second photo of many: it suffices for a spectrum, and derivatives by every millimeter of groove are slow.
   constexpr std::size_t kMany = 8;
   const std::size_t stride = data.photos.size() >= kMany ? 2 : 1;
   std::vector<GrooveGradients> of_photos((data.photos.size() + stride - 1) / stride);
@@ -123,8 +122,8 @@ Pulls pulls_of(const Problem& data, const State& state) {
   return out;
 }
 
-// The frequency (per mm) at which pulls go to and fro with their place most, and by how much more than chance: |sum of
-// pull exp(i 2 pi f place)|^2 over its expectation for pulls without a period.
+// The frequency (per mm) of the largest periodic pull, and its power over chance: |sum of pull exp(i 2 pi f place)|^2
+// over its expectation for pulls without a period.
 struct Peak {
   double frequency = 0, above_chance = 0;
 };
@@ -180,7 +179,7 @@ ScrewPower start_screws(Problem& data, State& state, double least_power) {
 
 namespace {
 
-// Which of the profile's numbers count, and where the others stand.
+// Frees the profile's own numbers and fixes the others.
 void use_profile(Problem& data, const GrooveProfile& profile) {
   data.model.profile = profile;
   for (PhotoData& photo : data.photos) photo.profile = profile;
@@ -214,8 +213,8 @@ void add_costs(const Problem& data, Trial& trial) {
   trial.cost = std::accumulate(trial.costs.begin(), trial.costs.end(), 0.0);
 }
 
-// Of what a trial frees. What is known already and dear is held, each a rendering more; so is the blur, which is not
-// seen in coarse pixels.
+// Fits the trial's free groups. Known, expensive unknowns (a rendering each) are held. So is the blur, which coarse
+// pixels do not show.
 void fit_trial(Problem& data, Stage stage, int iterations, Trial& trial) {
   use_profile(data, trial.profile);
   for (const Group group : trial.free) stage.free(group);
@@ -224,7 +223,7 @@ void fit_trial(Problem& data, Stage stage, int iterations, Trial& trial) {
   add_costs(data, trial);
 }
 
-// Fitted a little; and further if it costs less than `less` by then: what photos ask for pays from the start.
+// Fits a trial for a few iterations, and further if it then costs less than `less`: true effects pay from the start.
 Trial tried(Problem& data, const Stage& stage, const State& from, const GrooveProfile& profile, std::vector<Group> free,
             const Trial* less = nullptr) {
   Trial out{profile, from, std::move(free), {}, 0};
@@ -234,15 +233,15 @@ Trial tried(Problem& data, const Stage& stage, const State& from, const GroovePr
   return out;
 }
 
-// Whether `more` is better than `less` by far more than the views scatter, and by a share that a few more numbers do
-// not make.
+// True if `more` is better than `less` by far more than the scatter between views, and by a share beyond the gain of a
+// few more parameters.
 bool clearly_better(const Trial& more, const Trial& less) {
   const Gain gain = gain_between(less.costs, more.costs);
   constexpr double kShare = 0.03;
   return gain.sum > kShare * less.cost && gain.sum > gain.standard_error;
 }
 
-// A rounded V in place of the paper's section, where that is clearly better. Returns the flanks that would be.
+// Tries a rounded V in place of the paper's profile, and takes it if clearly better. Returns the flanks' slope.
 double try_flanks(Problem& data, const Stage& stage, const std::function<void(const char*, double)>& told,
                   Trial& best) {
   std::vector<Trial> shapes;
@@ -264,9 +263,9 @@ double try_flanks(Problem& data, const Stage& stage, const std::function<void(co
   return flank_deg;
 }
 
-// Where grooves end before they are as steep as their flanks, nothing tells how steep those would be: arcs.
+// If grooves end below the slope of their flanks, no data determine this slope: they are arcs.
 void leave_flanks_out_of_arcs(const Problem& data, Trial& best) {
-  constexpr double kHowMuchDeeper = 1.05;  // grooves differ
+  constexpr double kHowMuchDeeper = 1.05;  // grooves vary
   const double depth_um = kHowMuchDeeper * std::exp(best.state.shared[unknown::log_depth]);
   if (!has(best, Group::flank) ||
       reaches_flanks(profile_of(best.profile, best.state.shared), data.model.board->tool_width_um, depth_um))
@@ -275,8 +274,8 @@ void leave_flanks_out_of_arcs(const Problem& data, Trial& best) {
   std::erase(best.free, Group::flank);
 }
 
-// No burr stands higher than its groove is deep, and no tool leaves a groove several times as rough one way as the
-// other: what asks for that is something else.
+// A trial is implausible if a burr is higher than its groove is deep, or a groove is several times as rough one way as
+// the other. Such a fit has another cause.
 bool can_be(const Trial& trial) {
   constexpr double kMostAcross = 3;
   const auto& x = trial.state.shared;
@@ -284,8 +283,8 @@ bool can_be(const Trial& trial) {
          std::abs(x[unknown::log_across]) < std::log(kMostAcross);
 }
 
-// Burrs, where they are clearly better: from several heights, the best of which is fitted to its end. Depth that varies
-// over the board, and did not show so far, shows with them.
+// Tries burrs from several heights, fits the best to the end, and takes them if clearly better. Burrs can reveal a
+// hidden variation of depth over the board.
 void try_burrs(Problem& data, const Stage& stage, bool may_vary, const std::function<void(const char*, double)>& told,
                Trial& best) {
   constexpr std::array<std::array<double, 2>, 2> kHeights_um{{{1.5, 0.75}, {0.75, 1.5}}};
@@ -307,7 +306,7 @@ void try_burrs(Problem& data, const Stage& stage, bool may_vary, const std::func
   if (can_be(more) && clearly_better(more, without)) best = std::move(more);
 }
 
-// Roughness across the groove that differs from that along it, on top of what was found.
+// Tries different roughnesses across and along the groove, in addition to the present profile.
 void try_across(Problem& data, const Stage& stage, const std::function<void(const char*, double)>& told, Trial& best) {
   told("trying roughness across grooves", 0.6);
   GrooveProfile profile = profile_of(best.profile, best.state.shared);
@@ -318,7 +317,7 @@ void try_across(Problem& data, const Stage& stage, const std::function<void(cons
   if (can_be(more) && clearly_better(more, best)) best = std::move(more);
 }
 
-// What a trial would be without one of its effects, fitted anew.
+// A trial refitted without one of its effects.
 Trial without(Problem& data, const Stage& stage, const Trial& from, Group effect) {
   GrooveProfile profile = profile_of(from.profile, from.state.shared);
   const GrooveProfile paper;
@@ -337,13 +336,13 @@ Trial without(Problem& data, const Stage& stage, const Trial& from, Group effect
   return out;
 }
 
-// Whether a trial's last few numbers are worth keeping, where grooves are not the paper's anyway.
+// True if a trial's last few parameters are worth keeping, for grooves unlike the paper's anyway.
 bool worth_keeping(const Trial& more, const Trial& less) {
   constexpr double kShare = 0.01;
   return less.cost - more.cost > kShare * less.cost;
 }
 
-// With those effects that it lacks, begun at what they usually are, fitted to its end.
+// A trial with its missing effects added at usual values, fitted to the end.
 Trial with_all(Problem& data, const Stage& stage, const Trial& from, const std::vector<Group>& effects, bool may_vary,
                double flank_deg) {
   constexpr double kHeight_um = 0.75, kAcross = 1.2;
@@ -365,7 +364,7 @@ Trial with_all(Problem& data, const Stage& stage, const Trial& from, const std::
   out.profile = profile;
   set_profile(data, profile, out.state);
   fit_trial(data, stage, kToTheEnd, out);
-  // A burr that has shrunk to nothing hardly grows again, and photos hardly tell one burr from the other.
+  // A burr of height 0 hardly grows again, and photos hardly separate one burr from the other.
   constexpr double kNothing_um = 0.05;
   double* const burrs_um = out.state.block(unknown::burrs);
   if (!has(out, Group::burrs) || std::min(burrs_um[0], burrs_um[1]) > kNothing_um) return out;
@@ -375,8 +374,8 @@ Trial with_all(Problem& data, const Stage& stage, const Trial& from, const std::
   return even.cost < out.cost ? even : out;
 }
 
-// Flanks, burrs and roughness across all spread light to other leans: each alone takes up what the others do and so
-// hides them, or is no better than nothing. So all of them together, and then without those that are not missed.
+// Flanks, burrs and roughness across all spread light to other leans. Each alone absorbs the others and masks them, or
+// explains nothing. All are therefore fitted together, and then superfluous ones are removed.
 void try_all(Problem& data, const Stage& stage, bool may_vary, const Trial& bare, std::optional<double> flank_deg,
              const std::function<void(const char*, double)>& told, Trial& best) {
   constexpr double kBelowTheRim = 0.95;
@@ -419,9 +418,9 @@ ProfileChoice choose_profile(const Problem& data, const Stage& stage, const Stat
   const Stage freed = all ? stage : stage_of_sample(stage);
   Trial best{paper, state, {}, {}, 0};
   set_profile(seen, paper, best.state);
-  fit_trial(seen, freed, kToTheEnd, best);  // else others would gain what it lacks to its own end
+  fit_trial(seen, freed, kToTheEnd, best);  // otherwise others would gain by its missing iterations
   const Trial bare = best;
-  // Flanks from steep (an arc) to shallow, each fitted a little; then the best of them to its end.
+  // Flanks from steep (an arc) to shallow, each fitted for a few iterations; then the best of them to the end.
   std::optional<double> flank_deg;
   if (paper.kind == GrooveProfile::Kind::paper) flank_deg = try_flanks(seen, freed, told, best);
   const auto without_burrs = best.state.shared;
@@ -431,9 +430,9 @@ ProfileChoice choose_profile(const Problem& data, const Stage& stage, const Stat
   Eigen::VectorXd trade;
   if (has(best, Group::burrs)) {
     trade.setZero(global_count(state.lamps.size()));
-    // By what they were off on boards of known burrs, RMS: heights 0.32, depth 0.14 of what burrs had moved it by
-    // (seven boards with burrs alone), and depth some three per cent beyond its other sigmas (nine with flanks, burrs
-    // and roughness across).
+    // RMS errors on boards of known burrs: heights 0.32, depth 0.14 of its change by burrs (seven boards with burrs
+    // alone). Depth was off some three percent beyond its other sigmas (nine boards with flanks, burrs and roughness
+    // across).
     constexpr double kOfMoved = 0.3, kOfHeight = 0.3, kOfWidth = 0.2, kDepth = 0.03;
     for (const int i : {unknown::log_alpha, unknown::log_depth})
       trade[i] = kOfMoved * (best.state.shared[i] - without_burrs[i]);
@@ -445,7 +444,7 @@ ProfileChoice choose_profile(const Problem& data, const Stage& stage, const Stat
   const GrooveProfile chosen = profile_of(best.profile, best.state.shared);
   set_profile(seen, chosen, best.state);
   if (all) return {chosen, best.state, best.cost, best.free, trade};
-  State whole = state;  // with what a sample tells of it
+  State whole = state;  // with the sample's estimates
   constexpr std::array kOfGrooves{Group::groove, Group::depth, Group::flank, Group::burrs, Group::across};
   for_each_unknown([&](const UnknownRow& row, int first) {
     if (std::find(kOfGrooves.begin(), kOfGrooves.end(), row.group) != kOfGrooves.end())

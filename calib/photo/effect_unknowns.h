@@ -1,5 +1,5 @@
-// burin/calib/photo/effect_unknowns.h - what only some benches have, as the fits move it: backlash and uneven screws, a
-// brushed face, a cross-section that is not the paper's. docs/model.md 2.5, 3.8, 7.9.
+// burin/calib/photo/effect_unknowns.h - unknowns of effects of only some benches: backlash, lead-screw errors, a
+// brushed face, a groove profile other than the paper's. docs/model.md 2.5, 3.8, 7.9.
 #pragma once
 
 #include <algorithm>
@@ -12,7 +12,7 @@
 
 namespace burin {
 
-/// The machine's errors that a vector of unknowns holds (Unknowns, or those that all photos share).
+/// The machine's errors in a vector of unknowns (Unknowns, or the shared ones of all photos).
 template <typename Vector>
 MachineErrors machine_errors_of(const Vector& x) {
   MachineErrors errors;
@@ -25,13 +25,13 @@ MachineErrors machine_errors_of(const Vector& x) {
   return errors;
 }
 
-/// The face's grain that it holds.
+/// The face's grain in it.
 template <typename Vector>
 FaceGrain grain_of(const Vector& x) {
   return {x[unknown::grain], x[unknown::grain + 1]};
 }
 
-/// The cross-section that it holds, of the kind that the problem has.
+/// The groove profile in it, of the problem's kind.
 template <typename Vector>
 GrooveProfile profile_of(const GrooveProfile& kind, const Vector& x) {
   GrooveProfile p = kind;
@@ -43,10 +43,10 @@ GrooveProfile profile_of(const GrooveProfile& kind, const Vector& x) {
   return p;
 }
 
-/// Step of the difference that stands for a derivative at `value`: a hundredth or two of a logarithm, a micrometer or
-/// two of the machine, a fifth of a degree, two thousandths of a stray light's direction, a twentieth of a micrometer
-/// of a burr; a whole one where there is none,
-/// since light is not linear in a burr that begins.
+/// Step of the finite difference for a derivative at `value`. For logarithms it is a hundredth or two (a tenth for
+/// log_across, a thousandth for a screw's period). For the machine it is two micrometers, for a flank a fifth of a
+/// degree, for an unmodeled light's direction two thousandths. For a burr it is a twentieth of a micrometer, but one
+/// micrometer near 0, since light is not linear in a beginning burr.
 constexpr double difference_step(int index, double value) {
   if (index >= unknown::backlash && index < unknown::screw_period) return 0.002;
   if (index >= unknown::screw_period && index < unknown::grain) return 0.001;

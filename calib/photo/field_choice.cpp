@@ -24,16 +24,16 @@ void set_free(const FreeField& field, std::size_t lights, std::vector<bool>& fre
   });
 }
 
-// Whether chance makes chi^2 of `terms` terms, under a covariance from `samples` scores, as large as this seldom
-// enough: once in ten thousand times for a slope or wear, once in a million for more terms, which are rarer on real
-// boards and were made up on one random bench in ten (a field made up does more harm than one missed). Hotelling's T^2
-// is distributed as F, and F's cube root nearly as a normal ratio (Paulson, Annals of Mathematical Statistics 13,
-// 1942). A lamp's size and glare cannot be below 0, so that of what chance makes only one half looks like them.
+// True if chance rarely makes chi^2 of `terms` terms as large, under a covariance from `samples` scores. The limit is
+// once in ten thousand times for a slope or wear, and once in a million for more terms. These are rarer on real boards,
+// and one random bench in ten had spurious ones (a spurious field does more harm than a missed one). Hotelling's T^2
+// has an F distribution, and the cube root of F is nearly a ratio of normals (Paulson, Annals of Mathematical
+// Statistics 13, 1942). A lamp's size and glare cannot be below 0, so only one half of the chance cases resembles them.
 constexpr double kOnceInTenThousand = 3.719, kOnceInAMillion = 4.753;  // sigmas of a normal distribution
 constexpr double kTwiceInTenThousand = 3.540;
-constexpr double kLeastShare = 0.001;  // of glare; less is none, and what is below none is something else
-// Whatever makes dark places brighter than the model has them looks like glare: fingerprints and dust of an amateur's
-// bench without any made up 0.8 % of it, at 7.2 sigmas by places and 4.8 by views. So little is asked for sternly.
+constexpr double kLeastShare = 0.001;  // of glare; less counts as none, and below none is another effect
+// Any brightening of dark places resembles glare: fingerprints and dust of an amateur's bench without glare gave 0.8 %,
+// at 7.2 sigmas by places and 4.8 by views. Such small shares need stronger evidence.
 constexpr double kMadeUpGlare = 0.015, kLittleGlareByPlace = 8, kLittleGlareByView = 6;
 
 bool beyond_chance(double chi2, std::size_t terms, std::size_t samples, double sigmas) {
@@ -44,7 +44,7 @@ bool beyond_chance(double chi2, std::size_t terms, std::size_t samples, double s
   return (1 - a) * root - (1 - b) > sigmas * std::sqrt(a * root * root + b);
 }
 
-// How far photos' scores at the optimum of H and g, a step away, scatter: no rendering.
+// Scatter of the photos' scores at the optimum of H and g, a step away: no rendering.
 Eigen::MatrixXd scatter_by_view(const ViewEquations& e, const Eigen::VectorXd& step) {
   Eigen::MatrixXd out = Eigen::MatrixXd::Zero(step.size(), step.size());
   const auto views = static_cast<double>(e.H.size());
@@ -55,8 +55,8 @@ Eigen::MatrixXd scatter_by_view(const ViewEquations& e, const Eigen::VectorXd& s
   return out;
 }
 
-// Whether the terms `added` are more than the model's own errors make up, which are alike in all photos of a place and
-// in all places of a photo. The scores are taken at the richer field's own optimum: what it explains is no scatter.
+// Tests the terms `added` against the model's own errors, which are alike in all photos of a place and in all places of
+// a photo. The scores are taken at the richer field's own optimum: its explained part is not scatter.
 enum class Asked { no, by_places_only, yes };
 
 Asked significance(const Problem& data, const Stage& all, const State& state, const ViewEquations& e,
@@ -73,12 +73,13 @@ Asked significance(const Problem& data, const Stage& all, const State& state, co
     const Eigen::MatrixXd covariance = inverse * (scatter + e.prior_scatter) * inverse;
     return beyond_chance(chi_squared(step(added), covariance(added, added)), added.size(), samples, bar);
   };
-  // Photos are few: their scatter could not say so much of several terms, but it may contradict.
+  // Photos are few: their scatter cannot prove several terms, but it may contradict them.
   constexpr std::size_t kKnown = 1000;
-  // Photos of a lamp with an area take many times as long to render: only where photos do not contradict already.
+  // Photos of an area light take many times as long to render: test them only if photos do not contradict already.
   if (size && !beyond(scatter_by_view(e, step), kKnown, sigmas)) return Asked::no;
   State optimum = moved_state(state, step);
-  keep_within_bounds(data, optimum);  // what photos hardly hold leaps, and beyond its bounds nothing can be rendered
+  // poorly constrained unknowns move far, and cannot be rendered beyond their bounds
+  keep_within_bounds(data, optimum);
   const ViewEquations at_optimum = view_equations(data, all, optimum);
   std::size_t places = 0;
   for (Eigen::Index t = 0; t < at_optimum.tiles.cols(); ++t)
@@ -102,7 +103,7 @@ FreeField both(const FreeField& a, const FreeField& b) {
   return {a.linear || b.linear, a.quadratic || b.quadratic, a.wear || b.wear, a.glare || b.glare, a.size || b.size};
 }
 
-// Whether a step gives any lamp a size: what is smaller than a point is none.
+// True if a step gives any lamp a size above 0.
 bool grows(const State& state, const Eigen::VectorXd& step) {
   for (std::size_t light = 0; light < state.lamps.size(); ++light)
     if (state.block(unknown::size2, light)[0] + step[global_index(unknown::size2, light)] > 0) return true;
@@ -143,18 +144,19 @@ FreeField choose_depth_field(const Problem& data, const Stage& stage, const Stat
     set_free(field, lights, free);
     return free;
   };
-  // Where the answer would be with that field, to first order.
+  // The optimum with this field, to first order.
   const auto optimum = [&](const FreeField& field) -> Eigen::VectorXd {
     return -safe_inverse(H, free_with(field)) * g;
   };
-  // A lamp's size and glare hide each other: a disk dims what is near a glint's middle, glare brightens what is dark.
-  // So a size is asked for beside the glare that photos would have with it, whether that is asked for itself or not.
+  // A lamp's size and glare mask each other: a disk dims the center of a glint, glare brightens dark places. A size is
+  // therefore tested together with its glare, accepted or not.
   const auto beside_a_size = [&](const FreeField& field) {
     const FreeField with_glare = both(field, kGlare);
     return optimum(both(with_glare, kSize))[unknown::glare_share] > kLeastShare ? with_glare : field;
   };
-  FreeField pointed_to;  // in the last round, all terms together: by held-out photos and by places, though photos
-                         // scatter too much to be asked
+  // of the last round, all terms together: accepted by held-out photos and by places, but with too much scatter between
+  // photos
+  FreeField pointed_to;
   for (bool stepped = true; stepped;) {
     stepped = false;
     pointed_to = {};
@@ -185,14 +187,14 @@ FreeField choose_depth_field(const Problem& data, const Stage& stage, const Stat
     choice = best;
   }
   if (shifts == nullptr) return choice;
-  // Of what is not chosen: how far the answer would move with it.
+  // For rejected terms: the change of the answer with them.
   const auto add_shift = [&](const FreeField& from, const FreeField& more) {
     if (free_with(both(from, more)) == free_with(from)) return;
     const Eigen::VectorXd answer = optimum(both(from, more));
     if (!more.size || grows(state, answer)) shifts->push_back(answer - optimum(from));
   };
   if (!choice.size) add_shift(beside_a_size(choice), kSize);
-  pointed_to.size = false;  // counted just now
+  pointed_to.size = false;  // counted above
   if (terms_of(pointed_to) > 0) add_shift(choice, pointed_to);
   return choice;
 }

@@ -11,8 +11,8 @@
 namespace burin {
 namespace {
 
-// A direction in the geometry: the pixels' information over the tags', their score where the tags want to be, and how
-// that scatters over squares of the board.
+// A direction in the geometry: the pixels' information over the tags', their score at the tags' optimum, and its
+// scatter over squares of the board.
 struct Direction {
   double mu, gamma, scatter;
 };
@@ -48,7 +48,7 @@ std::vector<Direction> directions_of(const NormalSystem& system, const GeometryP
   return out;
 }
 
-// s, by which the pixels' variances are stretched until the distance is the number of directions.
+// s: factor on the pixels' variances that makes the distance equal to the number of directions.
 double stretch_of(const std::vector<Direction>& directions) {
   constexpr double kMost = 1e12;
   const auto distance = [&](double s) {

@@ -16,7 +16,7 @@ namespace {
 constexpr int kKinds = 2;  // log alpha, log depth
 using Pair = std::array<std::vector<double>, kKinds>;
 
-// The pieces with grooves that are exp(step z) times as rough or deep, z one number a groove.
+// The pieces with grooves exp(step z) times as rough or deep, one number z per groove.
 Carved changed(const Carved& pieces, int kind, const std::vector<double>& z, double step) {
   Carved out = pieces;
   std::vector<double>& values = kind == 0 ? out.scratches.alpha : out.scratches.depth_um;
@@ -58,7 +58,7 @@ GrooveScatter groove_scatter(const Problem& data, const State& state) {
   std::array<Products, kKinds> scores{Products(grooves), Products(grooves)};
   std::vector<Products> known(static_cast<std::size_t>(kKinds) * kKinds, Products(grooves));  // [of kind][by kind]
   constexpr double kStep = 0.01;
-  // Of each photo: scores and those that the known differences would cause, half by half.
+  // For each photo: scores, and the scores that the known differences would cause, by half.
   std::vector<std::vector<Pair>> of_photos(data.photos.size());
   each_photo(data, [&](std::size_t k) {
     const PhotoData& photo = data.photos[k];
@@ -112,7 +112,7 @@ GrooveScatter groove_scatter(const Problem& data, const State& state) {
   if (!(M(0, 0) > 0) || !(M(1, 1) > 0) || !(M.determinant() > 0)) return out;
   const Eigen::Matrix2d inverse = M.inverse();
   out.variance = inverse * t;
-  if (out.variance.minCoeff() < 0) {  // one of them, or both, are not seen: the other alone explains
+  if (out.variance.minCoeff() < 0) {  // one of them, or both, are not visible: the other alone explains
     const Eigen::Vector2d alone = t.cwiseQuotient(M.diagonal()).cwiseMax(0);
     out.variance = out.variance[0] < out.variance[1] ? Eigen::Vector2d(0, alone[1]) : Eigen::Vector2d(alone[0], 0);
   }

@@ -15,7 +15,7 @@
 namespace burin {
 namespace {
 
-constexpr double kLarge = 0.04;  // a lamp's radius beside its distance
+constexpr double kLarge = 0.04;  // a lamp's radius over its distance
 
 // The size of such a lamp, in squares of the unit.
 double large_size2(const Problem& data, const State& state, std::size_t light) {
@@ -23,7 +23,7 @@ double large_size2(const Problem& data, const State& state, std::size_t light) {
   return std::pow(kLarge * distance_mm / size_unit_mm(*data.model.board), 2);
 }
 
-// Whether a step to where the answer would be with sizes, to first order, has a large lamp.
+// True if a step to the optimum with sizes, to first order, has a large lamp.
 bool would_be_large(const Problem& data, const State& state, const Eigen::VectorXd& step) {
   for (std::size_t light = 0; light < state.lamps.size(); ++light)
     if (seeks_size(data, light) && step[global_index(unknown::size2, light)] > large_size2(data, state, light))
@@ -31,7 +31,7 @@ bool would_be_large(const Problem& data, const State& state, const Eigen::Vector
   return false;
 }
 
-// Whether any lamp's area does more to glints than its middle: else its sides hide behind all that models miss.
+// True if any lamp's area affects glints more than its middle alone; otherwise unmodeled effects mask its sides.
 bool any_shows(const Problem& data, const State& state) {
   const auto shared = [&](int i) { return state.shared[i]; };
   const double roughness = std::exp(std::min(shared(unknown::log_alpha) + std::min(0.0, shared(unknown::log_across)),
@@ -45,11 +45,11 @@ bool any_shows(const Problem& data, const State& state) {
   return false;
 }
 
-// Sides, which a fit decides, are asked for more easily than what photos must answer by themselves.
+// A fit decides about sides, so its threshold is lower than for a test without a fit.
 constexpr double kWorthATry = 10;  // chi^2: once in a hundred and fifty times by chance, of two numbers
 
-// Whether a fit of what `more` frees beside the stage explains photos better by more than they scatter, and by more
-// than `share` of their cost; then it is taken. `trial`: where it begins, and then where it ends.
+// Fits the unknowns of `more` in addition to the stage's. Takes the fit if it explains photos better by more than their
+// scatter, and by more than `share` of their cost. `trial` is the initial guess, and then the result.
 bool fits_better(const Problem& data, const Stage& more, double share, const Progress& progress, State& trial,
                  Stage& stage, State& state) {
   constexpr int kIterations = 15;
@@ -75,11 +75,11 @@ bool choose_large_lamps(const Problem& data, Stage& stage, State& state, const P
   const EffectEquations asked = effect_equations(data, stage, state, {Group::lamp_size});
   const Eigen::VectorXd step = -safe_inverse(asked.H, free_unknowns(data, asked.all, state.lamps.size())) * asked.g;
   if (!would_be_large(data, state, step)) return false;
-  constexpr double kShare = 0.03;  // as for cross-sections
+  constexpr double kShare = 0.03;  // as for groove profiles
   Stage with = stage;
   with.free(Group::lamp_size);
   State trial = state;
-  // What was taken for a face with a direction may be the lamp's: asked for again when its size is known.
+  // An apparent grain of the face may come from the lamp: it is tested again with known size.
   with.hold({Group::grain});
   trial.shared[unknown::grain] = trial.shared[unknown::grain + 1] = 0;
   double widest2 = 0;
@@ -89,7 +89,7 @@ bool choose_large_lamps(const Problem& data, Stage& stage, State& state, const P
     trial.block(unknown::size2, light)[0] = std::max(large, foretold);
     widest2 = std::max(widest2, std::pow(kLarge, 2) * std::max(1.0, foretold / large));
   }
-  // What the lamp's size had added to roughnesses (10.2) comes off them.
+  // Removes the lamp size's contribution (10.2) from roughnesses.
   constexpr double kLeastLeft = 0.3;
   for (const int i : {unknown::log_alpha, unknown::log_base_alpha}) {
     const double alpha2 = std::exp(2 * trial.shared[i]);
@@ -99,7 +99,7 @@ bool choose_large_lamps(const Problem& data, Stage& stage, State& state, const P
     choose_sides(data, stage, state, progress);
     return true;
   }
-  // A long panel is no disk: views along it and across then contradict each other as long as it is taken for one.
+  // A long panel is not a disk: with a disk, views along it and across contradict each other.
   with.free(Group::lamp_sides);
   return fits_better(data, with, kShare, progress, trial, stage, state);
 }

@@ -1,4 +1,4 @@
-// burin/calib/photo/lamp_unknowns.h - the lamp that a fit's unknowns say. Frame: board, mm.
+// burin/calib/photo/lamp_unknowns.h - the lamp of a fit's unknowns. Frame: board, mm.
 #pragma once
 
 #include "burin/calib/photo/unknowns.h"
@@ -6,8 +6,8 @@
 
 namespace burin {
 
-/// Puts a lamp's place, area, axis and fall-off into `light` as a fit's unknowns have them; its area as `given`, where
-/// a person told it.
+/// Puts a lamp's position, area, axis and falloff from a fit's unknowns into `light`; its area is `given` if a person
+/// gave it.
 void put_lamp(const Unknowns& x, const LampSize& given, double unit_mm, Light& light);
 
 }  // namespace burin

@@ -1,5 +1,5 @@
-// burin/calib/photo/machine_map.h - the machine's map as the fits move it: about the carve area's center, so that its
-// linear part and its shift hardly trade. carved = center + A (designed - center) + shift, mm. docs/model.md 7.
+// burin/calib/photo/machine_map.h - the affine machine calibration in fits: about the carve area's center, so that
+// linear part and shift are nearly uncorrelated. carved = center + A (designed - center) + shift, mm. docs/model.md 7.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,12 +14,12 @@ struct MachineMap {
   Eigen::Vector2d shift_mm{0, 0};
 };
 
-/// Where its numbers lie among the unknowns: row 0 or 1 (x, y), column 0 or 1 of A, or 2 for the shift.
+/// Index of its numbers among the unknowns: row 0 or 1 (x, y), column 0 or 1 of A, or 2 for the shift.
 constexpr int machine_index(int row, int column) {
   return unknown::machine + (column < 2 ? 2 * row + column : 4 + row);
 }
 
-/// The map that a vector of unknowns holds (Unknowns, or those that all photos share).
+/// The map in a vector of unknowns (Unknowns, or the shared ones of all photos).
 template <typename Vector>
 MachineMap machine_map(const Vector& x) {
   MachineMap map;
@@ -39,7 +39,7 @@ void put_machine_map(const MachineMap& map, Vector&& x) {
   }
 }
 
-/// From and to a bench's map, which is about the board's origin.
+/// Conversions from and to a bench's map, which is about the board's origin.
 inline MachineMap machine_map(const Affine2& affine, const Eigen::Vector2d& center_mm) {
   return {affine.leftCols<2>(), affine.leftCols<2>() * center_mm + affine.col(2) - center_mm};
 }
@@ -49,8 +49,8 @@ inline Affine2 affine_of(const MachineMap& map, const Eigen::Vector2d& center_mm
   return affine;
 }
 
-/// Of n unknowns, the combination that coordinate `row` of the carved point a(0), a(1) from the center (mm), a(2) times
-/// the shift, moves by.
+/// The derivative by n unknowns of coordinate `row` of a carved point: a(0), a(1) from the center (mm), a(2) times the
+/// shift.
 inline Eigen::VectorXd machine_combination(Eigen::Index n, int row, const Eigen::Vector3d& a) {
   Eigen::VectorXd out = Eigen::VectorXd::Zero(n);
   for (int column = 0; column < 3; ++column) out[machine_index(row, column)] = a[column];

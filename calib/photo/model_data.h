@@ -1,5 +1,5 @@
-// burin/calib/photo/model_data.h - what all photos of a fit share, and the grooves in the metal that unknowns make of
-// it. Frame: board, mm.
+// burin/calib/photo/model_data.h - common data of all photos of a fit, and the carved grooves under its unknowns.
+// Frame: board, mm.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,46 +14,46 @@
 
 namespace burin {
 
-/// Lanes across a groove: light that pixels get of it is good to a hundredth of what it sends there, and to less where
-/// the camera blurs.
+/// Lanes across a groove. Each pixel's light is accurate to a hundredth of the groove's light there, and better under
+/// the camera's blur.
 inline constexpr int kLanes = 16;
 
-/// What all photos share.
+/// Common data of all photos.
 struct ModelData {
   const Board* board = nullptr;
   const Sent* sent = nullptr;
-  /// How roughness varies, as a bench says: it is not fitted (field_choice.h).
+  /// Spatial variation of roughness from the bench: it is not fitted (field_choice.h).
   std::array<double, GrooveField::kTerms> alpha_field{};
   Crossings crossings = Crossings::add;  ///< overlap: see burin/scene/carve.h
-  CutInto cut{};                         ///< how grooves that are cut are laid (burin/scene/carve.h)
-  BoardSample sample{};                  ///< what photos look at, and carved_at() carves
+  CutInto cut{};                         ///< layout of cut grooves (burin/scene/carve.h)
+  BoardSample sample{};                  ///< part of the board in the photos, and of carved_at()
   GrooveProfile profile;                 ///< its kind; its numbers are unknowns
   Eigen::Vector2d center_mm{0, 0};       ///< of the carve area
   double f0 = 0.92;                      ///< mean of the channels
   double cauchy = 3;                     ///< scale of the robust loss, in expected errors
-  /// How much roughness and depth differ from groove to groove: standard deviations of their logarithms
-  /// (groove_scatter.h), and the standard errors of these numbers' squares.
+  /// Groove-to-groove variation of roughness and depth: standard deviations of their logarithms (groove_scatter.h), and
+  /// the standard errors of their squares.
   double alpha_jitter = 0, depth_jitter = 0;
   double alpha_jitter2_sigma = 0, depth_jitter2_sigma = 0;
 };
 
-/// expected_pieces() of what was sent over the carve area, as far as it is looked at.
+/// expected_pieces() of the sent scratches over the carve area, within the sample.
 double expected_pieces(const ModelData& model);
 
-/// What share of the carve area grooves of one depth cover under these unknowns, all their areas added.
+/// Share of the carve area under grooves of one depth at these unknowns, all their areas added.
 double covered_share(const ModelData& model, const Unknowns& x);
 
 /// The terms of the field of depth.
 std::array<double, GrooveField::kTerms> depth_field_of(const Unknowns& x);
 
-/// The bench that the unknowns make, as far as carving asks.
+/// The bench of these unknowns, as far as carving needs it.
 Bench bench_at(const ModelData& model, const Unknowns& x);
 
-/// The scratches as carved under these unknowns, cut where others rule if the model says so; in its sample's
-/// surroundings, where it has one.
+/// The scratches as carved under these unknowns, cut at crossings if the model's rule cuts; within its sample's
+/// surroundings, if it has a sample.
 Carved carved_at(const ModelData& model, const Unknowns& x);
 
-/// The same with the scratch that each is a piece of, and with a depth and a roughness for each.
+/// The carved pieces, each with its scratch's index, its own depth and its own roughness.
 Carved carved_pieces(const ModelData& model, const Unknowns& x);
 
 }  // namespace burin

@@ -1,5 +1,5 @@
-// burin/calib/photo/normal_matrices.h - the normal equations of a whole problem as numbers; normal_system.h makes them.
-// Frame: board, mm. Unknowns are in the order of global_index().
+// burin/calib/photo/normal_matrices.h - the matrices of a whole problem's normal equations; normal_system.h computes
+// them. Frame: board, mm. Unknowns are in the order of global_index().
 #pragma once
 
 #include <Eigen/Core>
@@ -9,14 +9,14 @@
 
 namespace burin {
 
-/// The normal equations of everything at one state, cameras, bow and lens ("geometry") eliminated.
+/// The normal equations at one state, with cameras, bow and lens ("geometry") eliminated.
 struct NormalSystem {
   std::vector<bool> free;
-  Eigen::MatrixXd H, noise_H;  // of all; with the camera's noise alone as weights, poses known
+  Eigen::MatrixXd H, noise_H;  // of all; weighted by the camera's noise alone, with known poses
   Eigen::VectorXd g;
   Eigen::VectorXd prior, prior_g;  // the table's priors: diagonal of their information, and their scores
-  // Of the geometry's prior, eliminated: its information, and how its scores scatter by the tags' noise. These are one,
-  // but where tags weigh more than their noise says (GeometryPrior::weight).
+  // Contribution of the geometry's prior after elimination: its information, and the scatter of its scores by the tags'
+  // noise. Both are equal unless tags weigh more than their noise (GeometryPrior::weight).
   Eigen::MatrixXd geometry_information, geometry_scatter;
   // Scores by square of the board and by photo; below them the geometry's own.
   Eigen::MatrixXd tiles, photos;
@@ -24,7 +24,7 @@ struct NormalSystem {
   std::map<std::size_t, Eigen::MatrixXd> H_view;
   std::map<std::size_t, Eigen::VectorXd> g_view;
   Eigen::MatrixXd A, B, gain;                // (geometry, geometry), (unknowns, geometry), B A^-1
-  Eigen::VectorXd geometry_g, geometry_off;  // score; how far the geometry is from what the tags say
+  Eigen::VectorXd geometry_g, geometry_off;  // score; deviation of the geometry from the tags' estimate
   double cost = 0;
   std::size_t pixels = 0;
 };

@@ -15,14 +15,13 @@
 namespace burin {
 namespace {
 
-// How many of a photo's derivatives by its lens are asked for: what moves a view's own lens moves focal lengths and
-// center.
+// Number of required derivatives of a photo by its lens: a view's own lens moves focal lengths and center.
 Eigen::Index lens_columns(const GeometryPrior& geometry) {
   constexpr Eigen::Index kCore = 4;
   return std::max(geometry.lens_parameters, geometry.of_view > 6 ? kCore : 0);
 }
 
-// What normal_system() differentiates by: all that the stage frees, and poses, bow and lens where they may move.
+// Unknowns of normal_system(): the stage's free ones, and poses, bow and lens if they can move.
 FreeUnknowns wanted_of(const Problem& data, const Stage& stage) {
   FreeUnknowns wanted{};
   if (data.geometry)
@@ -68,9 +67,9 @@ std::vector<std::vector<PhotoEquations>> equations_of_photos(
 
 namespace {
 
-// Where the numbers of the geometry lie behind the n unknowns.
+// Indices of the geometry's numbers behind the n unknowns.
 struct Layout {
-  Eigen::Index n = 0, m = 0, lens = 0, of_view = 6;  // unknowns; the geometry's numbers; the lens'; those of a view
+  Eigen::Index n = 0, m = 0, lens = 0, of_view = 6;  // unknowns; the geometry's numbers; the lens'; per view
   Eigen::Index lens_seen = 0;                        // lens_columns()
 
   Layout(const Problem& data, const State& state) : n(global_count(state.lamps.size())) {
@@ -80,10 +79,10 @@ struct Layout {
     of_view = data.geometry->of_view;
     lens_seen = lens_columns(*data.geometry);
   }
-  // How many of a photo's unknowns have a place.
+  // Number of a photo's unknowns with a place.
   int placed() const { return m > 0 ? unknown::lens + static_cast<int>(lens_seen) : unknown::pose; }
-  // Where one of a photo's unknowns lies in the whole, and how much of it a unit there is. The lens lies in two places:
-  // that of all views, and the photo's own.
+  // Place of one of a photo's unknowns in the whole, with its unit. The lens has two places: the lens of all views, and
+  // the photo's own.
   struct Place {
     Eigen::Index at;
     double unit;
@@ -101,7 +100,7 @@ struct Layout {
     if (index < unknown::bow) return one(first + (index - unknown::pose));
     if (index < unknown::lens) return one(n + m - lens - 3 + (index - unknown::bow));
     const Eigen::Index of_lens = index - unknown::lens;
-    // Centers are told in units of the photo's own focal length.
+    // Centers are in units of the photo's own focal length.
     const double unit = of_lens == 2 || of_lens == 3 ? 1 / photo.photo.focal_ratio : 1;
     Places out{};
     if (of_lens < lens) out.all[out.count++] = {n + m - lens + of_lens, unit};
@@ -110,7 +109,7 @@ struct Layout {
   }
 };
 
-// The photos' equations in their places of the whole: over (unknowns, geometry).
+// The photos' equations at their places in the whole: over (unknowns, geometry).
 struct WholeEquations {
   std::map<std::size_t, Eigen::MatrixXd> H_view;
   std::vector<Eigen::VectorXd> g_photo;
@@ -152,7 +151,7 @@ WholeEquations whole_equations(const Problem& data, const Layout& layout, Inform
   return out;
 }
 
-// Paper belongs to the photo it was seen in; a tag's albedo is its own in all photos.
+// Paper belongs to its photo; a tag's albedo is its own in all photos.
 void add_paper(const Problem& data, const State& state, Information information, NormalSystem& out) {
   const Eigen::Index n = out.g.size();
   for (const LightSample& sample : data.paper) {
@@ -206,7 +205,7 @@ NormalSystem normal_system(const Problem& data, const Stage& stage, const State&
   if (data.geometry) {
     const GeometryPrior& prior = *data.geometry;
     const Eigen::MatrixXd weighted = prior.weight * prior.information;
-    Eigen::VectorXd off = prior.moved;  // of poses exactly, where a photo says
+    Eigen::VectorXd off = prior.moved;  // of poses exactly, for views with a photo
     for (const PhotoData& photo : data.photos) {
       const std::size_t view = photo.photo.view;
       off.segment<6>(prior.of_view * static_cast<Eigen::Index>(view)) =
@@ -275,7 +274,7 @@ ViewEquations view_equations(const Problem& data, const Stage& stage, const Stat
 
 namespace {
 
-// How far apart the bounds of each unknown are; infinite where it has none.
+// Distance between the bounds of each unknown; infinite without bounds.
 Eigen::VectorXd widths_of_bounds(const Problem& data, std::size_t lights) {
   Eigen::VectorXd out = Eigen::VectorXd::Constant(global_count(lights), std::numeric_limits<double>::infinity());
   for_each_unknown([&](const UnknownRow& row, int first) {
@@ -287,10 +286,10 @@ Eigen::VectorXd widths_of_bounds(const Problem& data, std::size_t lights) {
   return out;
 }
 
-// Gauss and Newton's step, of which what would leave its bounds goes as far as they are, and the others as far as they
-// go with it there. Were it only put back afterwards, the others would make up for where it no longer is. What photos
-// do not even tell within its bounds (flanks of grooves that end before them) stays: it would leap from one to the
-// other by rounding alone.
+// A Gauss-Newton step within the bounds. An unknown that would leave its bounds stops there, and the others are solved
+// with it held there. If it were only moved back afterwards, the others would still compensate for its earlier value.
+// An unknown that photos do not determine within its bounds (flanks of grooves that end before them) stays: rounding
+// alone would move it from one bound to the other.
 Eigen::VectorXd bounded_step(const Problem& data, const State& state, const NormalSystem& system) {
   std::vector<bool> free = system.free;
   Eigen::VectorXd held = Eigen::VectorXd::Zero(system.g.size());
@@ -330,7 +329,7 @@ void joint_step(Problem& data, const Stage& stage, State& state, Bench& bench) {
   keep_within_bounds(data, state);  // to the last bit
   if (!data.geometry) return;
   const Eigen::VectorXd by = -inverse_times(system.A, system.geometry_g + system.B.transpose() * step);
-  // Views without photos go along: their tags were seen through the same lens, on the same board.
+  // Views without photos move along: their tags were seen through the same lens, on the same board.
   const Eigen::Index of_view = data.geometry->of_view;
   for (std::size_t v = 0; v < bench.views.size(); ++v) {
     View& view = bench.views[v];

@@ -1,5 +1,5 @@
-// burin/calib/photo/normal_system.h - the normal equations of a whole problem at one state, cameras, bow and lens
-// ("geometry") eliminated; one Gauss-Newton step of everything. Frame: board, mm. Unknowns are in the order of
+// burin/calib/photo/normal_system.h - computes the normal equations of a whole problem at one state, with cameras, bow
+// and lens ("geometry") eliminated, and takes one Gauss-Newton step. Frame: board, mm. Unknowns are in the order of
 // global_index().
 #pragma once
 
@@ -14,14 +14,14 @@
 
 namespace burin {
 
-/// What stands in H for the robust loss: Gauss and Newton's weights, which lead to the optimum, or the loss' own
-/// curvature there, which says how far scores move the optimum. That is less by a fifth for normal errors, by a half
-/// where errors have long tails, as those of grooves near their cut-off have.
+/// Form of the robust loss in H: Gauss-Newton weights, which lead to the optimum, or the loss' own curvature there,
+/// which gives the effect of scores on the optimum. The curvature is less by a fifth for normal errors, and by a half
+/// for errors with long tails, as of grooves near their cut-off.
 enum class Information { weights, curvature };
 
-/// Every photo's equations under each of some models, which differ in their loss and in how much grooves differ, the
-/// problem's own first: [model][photo]. Slopes, which take the time, are rendered once; `look`, if given, is called
-/// with each photo's index and slopes, several at a time.
+/// Every photo's equations under each of several models, the problem's own first: [model][photo]. The models differ in
+/// their loss and in groove-to-groove variation. Derivatives, which take the time, are rendered once. `look`, if given,
+/// is called with each photo's index and derivatives, several at a time.
 std::vector<std::vector<PhotoEquations>> equations_of_photos(
     const Problem& data, const Stage& stage, const State& state, const std::vector<ModelData>& models,
     const std::function<void(std::size_t, const PhotoSlopes&)>& look = {});
@@ -30,22 +30,23 @@ std::vector<std::vector<PhotoEquations>> equations_of_photos(
 NormalSystem normal_system(const Problem& data, const Stage& stage, const State& state, Information information,
                            const std::vector<PhotoEquations>& equations);
 
-/// The views' own normal equations at `state`, of all that `stage` frees; their sum and the priors' are the problem's.
+/// The views' own normal equations at `state`, for the free unknowns of `stage`; their sum and the priors' are the
+/// problem's.
 struct ViewEquations {
   std::vector<Eigen::MatrixXd> H;
   std::vector<Eigen::VectorXd> g;
   Eigen::VectorXd prior, prior_g;  ///< the priors' information (a diagonal) and score
   std::vector<bool> free;
   std::vector<std::size_t> view;  ///< index into the bench's views
-  Eigen::MatrixXd tiles;          ///< scores (J^T W r) summed over squares of the board, a column a square
-  Eigen::MatrixXd prior_information, prior_scatter;  ///< all priors', the geometry's among them; of their scores
+  Eigen::MatrixXd tiles;          ///< scores (J^T W r) summed over squares of the board, one column per square
+  Eigen::MatrixXd prior_information, prior_scatter;  ///< of all priors, the geometry's included; of their scores
   double cost = 0;
 };
 ViewEquations view_equations(const Problem& data, const Stage& stage, const State& state);
 
-/// One Gauss-Newton step of what `stage` frees and of all poses, the bow and the lens together (geometry_prior.h), from
-/// near the optimum. Moves `state` and `bench`'s poses, bow and lenses; the problem's photos must be made anew
-/// afterwards, from views with the bench's lenses (take_lenses).
+/// One Gauss-Newton step, near the optimum, of the free unknowns of `stage` together with all poses, the bow and the
+/// lens (geometry_prior.h). Moves `state` and `bench`'s poses, bow and lenses. Afterwards the problem's photos must be
+/// rebuilt from views with the bench's lenses (take_lenses).
 void joint_step(Problem& data, const Stage& stage, State& state, Bench& bench);
 
 }  // namespace burin

@@ -11,7 +11,7 @@ namespace burin {
 
 namespace {
 
-// What paper sends back of a light that nobody named.
+// Reflection of an unmodeled light by paper.
 double stray_on_paper(const Problem& problem, const Unknowns& x, const LightSample& sample, double albedo) {
   if (!has_stray(x)) return 0;
   const Light light = stray_light(x, problem.model.board->size_mm);

@@ -1,5 +1,5 @@
-// burin/calib/photo/paper_equation.h - one piece of a tag's paper against the model: its weighted residual, and its
-// derivatives by all unknowns of a problem. docs/model.md 5 and 9.
+// burin/calib/photo/paper_equation.h - one sample of a tag's paper: its weighted residual, and its derivatives by all
+// unknowns of a problem. docs/model.md 5 and 9.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,13 +11,13 @@
 
 namespace burin {
 
-/// Paper: its mean brightness a tag and photo, with the albedo that board.json gives up to one common factor.
+/// Residual of paper: its mean brightness per tag and photo, with board.json's albedo times one common factor.
 struct PaperResidual {
   const LightSample* sample;
   double albedo, weight;
   PaperCoat coat;
-  std::vector<LampPoint> points;  ///< of a lamp with an area, as large as it was when the fit began
-  double stray = 0;               ///< radiance under a light that nobody named, as that was then
+  std::vector<LampPoint> points;  ///< of an area light, with its size at the start of the fit
+  double stray = 0;               ///< radiance under an unmodeled light, at the start of the fit
 
   template <typename T>
   bool operator()(const T* ambient, const T* vignette, const T* position, const T* log_intensity, const T* aim,
@@ -42,7 +42,7 @@ PaperResidual paper_residual(const Problem& problem, const State& state, const L
 
 struct PaperEquation {
   double residual = 0;
-  Eigen::VectorXd row;  ///< derivatives, in the order of global_index(); 0 for what is not `free`
+  Eigen::VectorXd row;  ///< derivatives, in the order of global_index(); 0 for held unknowns
 };
 PaperEquation paper_equation(const Problem& data, const State& state, const LightSample& sample,
                              const std::vector<bool>& free);

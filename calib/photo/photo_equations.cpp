@@ -30,8 +30,8 @@ std::shared_ptr<RenderWorkspace> workspace_of(const PhotoData& photo) {
   return photo.workspaces->borrow(photo.scene.grid.get());
 }
 
-// Puts the unknowns into a photo's scene. A point that is a spot is bare there: its fall-off is multiplied later, being
-// smooth. Of a lamp with an area each point has its own.
+// Puts the unknowns into a photo's scene. A point spotlight is rendered as a bare lamp: its smooth falloff is
+// multiplied later. Each point of an area light has its own falloff.
 const ViewScene& scene_at(const PhotoData& photo, const Unknowns& x) {
   ViewScene& scene = photo.scene;
   scene.material.alpha = std::exp(x[unknown::log_alpha]);
@@ -50,7 +50,7 @@ bool has_area(const PhotoData& photo, const Unknowns& x) {
   return !photo.lamp_size.is_point() || x[unknown::size2] > 0;
 }
 
-// log of the fall-off at a point of the spot with this position, aim on the board, and exponent.
+// log of the falloff at a point of a spotlight with this position, aim on the board, and exponent.
 template <typename T>
 T log_falloff(const std::array<T, 6>& spot, const Eigen::Vector3d& p) {
   using std::log;
@@ -66,7 +66,7 @@ T log_falloff(const std::array<T, 6>& spot, const Eigen::Vector3d& p) {
   return spot[5] * log(cosine);
 }
 
-// Those of the lamp.
+// The lamp's position, aim and exponent.
 std::array<double, 6> placed_spot(const Unknowns& x) {
   std::array<double, 6> out;
   for (int i = 0; i < 3; ++i) {
@@ -80,7 +80,7 @@ void multiply(Image& image, const std::vector<float>& by) {
   for (std::size_t i = 0; i < by.size(); ++i) image.data[i] *= by[i];
 }
 
-// Fall-off of each pixel's place; empty for a bare lamp, and for one with an area, which is rendered with it.
+// Falloff at each pixel's place; empty for a bare lamp, and for an area light, whose rendering includes it.
 std::vector<float> falloff_image(const PhotoData& photo, const Unknowns& x) {
   if (!(x[unknown::spot + 2] > 0) || has_area(photo, x)) return {};
   const std::array<double, 6> spot = placed_spot(x);
@@ -92,18 +92,18 @@ std::vector<float> falloff_image(const PhotoData& photo, const Unknowns& x) {
   return out;
 }
 
-// Of what is sent to a pixel: what vignetting and glare leave there.
+// Factor of vignetting and glare on the light of a pixel.
 double vignette_of(const PhotoData& photo, const Unknowns& x, std::size_t i) {
   return (1 - x[unknown::glare_share]) *
          vignette_at(x.data() + unknown::vignette, static_cast<double>(photo.radius2[i]));
 }
 
-// Light of glare that comes to a pixel from all over the photo.
+// Glare on a pixel from all over the photo.
 double scattered_to(const PhotoData& photo, const Unknowns& x, std::size_t i) {
   return photo.photo.scattered.data.empty() ? 0 : x[unknown::glare_share] * photo.photo.scattered.data[i];
 }
 
-// The same board under the light that nobody named.
+// The board under the unmodeled light.
 ViewScene under_stray(const PhotoData& photo, const Unknowns& x, ViewScene scene) {
   scene.light = stray_light(x, photo.camera.surface.size_mm);
   scene.hidden_from_light.clear();
@@ -112,8 +112,8 @@ ViewScene under_stray(const PhotoData& photo, const Unknowns& x, ViewScene scene
 
 ViewScene stray_scene(const PhotoData& photo, const Unknowns& x) { return under_stray(photo, x, scene_at(photo, x)); }
 
-// What one light sends, by the fast path. A point's view is made without slopes by the face's roughness, which cost as
-// much as all else on a brushed face; a lamp with an area that is asked for none would be tabulated, for one picture.
+// Light of one source, by the fast path. A point's view omits derivatives by the face's roughness, which cost as much
+// as all else on a brushed face. An area light keeps them: without, it would be tabulated for a single picture.
 Image light_of_scene(const PhotoData& photo, const ViewScene& scene, const Carved& carved) {
   RenderOptions options;
   options.material_gradients = !scene.light.size.is_point();
@@ -126,8 +126,8 @@ Image rendered_stray(const PhotoData& photo, const Unknowns& x, const Carved& ca
   return light_of_scene(photo, stray_scene(photo, x), carved);
 }
 
-// Light before blur: the lamp's, rendered radiance times the spot's fall-off, and a stray one's. Without derivatives it
-// is the fast path's, good to 1e-6 of the peak (1e-4 for other cross-sections than the paper's).
+// Light before blur: the lamp's, as rendered radiance times the spotlight's falloff, and an unmodeled light's. Without
+// derivatives it uses the fast path, accurate to 1e-6 of the peak (1e-4 for groove profiles other than the paper's).
 Image rendered_light(const PhotoData& photo, const Unknowns& x, const Carved& carved,
                      const std::vector<float>& falloff) {
   Image light = light_of_scene(photo, scene_at(photo, x), carved);
@@ -136,12 +136,12 @@ Image rendered_light(const PhotoData& photo, const Unknowns& x, const Carved& ca
   return light;
 }
 
-// The same with all grooves exp(step) times as rough (index log_alpha) or as deep (log_depth); which of them is seen
-// where they cross stays as it is.
+// Light with all grooves exp(step) times as rough (index log_alpha) or as deep (log_depth); the visible groove at each
+// crossing stays the same.
 Image light_of_changed(const PhotoData& photo, const Unknowns& x, const Carved& carved, int index, double step,
                        const std::vector<float>& falloff) {
   const bool roughness = index == unknown::log_alpha;
-  const double most = roughness ? 1 : std::numeric_limits<double>::infinity();  // nothing is rougher
+  const double most = roughness ? 1 : std::numeric_limits<double>::infinity();  // upper limit of roughness
   Unknowns other = x;
   other[index] = std::min(other[index] + step, std::log(most));
   Carved changed = carved;
@@ -150,7 +150,7 @@ Image light_of_changed(const PhotoData& photo, const Unknowns& x, const Carved& 
   return rendered_light(photo, other, changed, falloff);
 }
 
-// A photo's grid and camera, without a pixel in use.
+// A photo's grid and camera, with all weights 0.
 PhotoData photo_without_weights(const LightView& binned_view, int bin, const Board& board, const Bench& bench) {
   PhotoData data;
   data.photo = binned_view;
@@ -164,7 +164,7 @@ PhotoData photo_without_weights(const LightView& binned_view, int bin, const Boa
   if (board.mesh.empty()) {
     data.scene.grid = share(grid_of(binned_view, data.camera.T_camera_board, data.camera.surface));
     data.scene.camera_center_mm = data.camera.T_camera_board.inverse().translation();
-    if (data.camera.surface.bend && !bench.lights.empty())  // a lamp's shadow hardly moves while it is measured
+    if (data.camera.surface.bend && !bench.lights.empty())  // the edge of a lamp's shadow hardly moves during a fit
       data.scene.hidden_from_light = hidden_pixels(*data.scene.grid, BoardFace{data.camera.surface, nullptr},
                                                    bench.lights[binned_view.light].position_mm);
   } else {
@@ -174,7 +174,7 @@ PhotoData photo_without_weights(const LightView& binned_view, int bin, const Boa
   data.scene.material.f0 = board.material.f0;
   data.profile = bench.material.profile;
   data.size_unit_mm = size_unit_mm(board);
-  if (binned_view.light < bench.lights.size()) {  // of a lamp with an area: as it was given, or sought (size2)
+  if (binned_view.light < bench.lights.size()) {  // size of an area light: given, or sought (size2)
     if (!bench.lights[binned_view.light].is_lamp())
       fail("light " + bench.lights[binned_view.light].id, "is no near lamp, and photos are fitted under one alone",
            "take photos under a lamp of its own in a dark room, and leave these out of session.json");
@@ -197,12 +197,12 @@ PhotoData photo_without_weights(const LightView& binned_view, int bin, const Boa
   return data;
 }
 
-// Of the Gaussian that the prediction on these pixels applies.
+// Sigma of the Gaussian blur of the prediction on these pixels.
 double blur_sigma_px(const PhotoData& photo, const Unknowns& x) {
   return std::exp(photo.correction.empty() ? x[unknown::log_blur] : photo.log_blur_at);
 }
 
-// What glare from elsewhere, grooves that differ and correct_binning() add to the value of pixel i.
+// Sum of glare from elsewhere, groove-to-groove variation and correct_binning() for pixel i.
 double corrected_by(const PhotoData& photo, const Unknowns& x, std::size_t i) {
   const double shift =
       scattered_to(photo, x, i) + (photo.groove_shift.empty() ? 0 : static_cast<double>(photo.groove_shift[i]));
@@ -210,7 +210,7 @@ double corrected_by(const PhotoData& photo, const Unknowns& x, std::size_t i) {
   return shift + photo.correction[i] + (x[unknown::log_blur] - photo.log_blur_at) * photo.blur_slope[i];
 }
 
-// The lamp's light with ambient light where the face is.
+// The lamp's light, plus ambient light on the face.
 Image with_ambient(const ModelData& model, const PhotoData& photo, const Unknowns& x, Image light) {
   for (std::size_t i = 0; i < light.data.size(); ++i)
     if (std::isfinite(photo.scene.grid->center_mm[i].x()))
@@ -218,19 +218,19 @@ Image with_ambient(const ModelData& model, const PhotoData& photo, const Unknown
   return light;
 }
 
-// From the lamp's light to what the sensor sees: ambient light and blur.
+// Converts the lamp's light to the sensor's: adds ambient light and blurs.
 Image at_sensor(const ModelData& model, const PhotoData& photo, const Unknowns& x, Image light) {
   return blurred(with_ambient(model, photo, x, std::move(light)), blur_taps(blur_sigma_px(photo, x), photo.bin));
 }
 
-// And to the photo's value: vignetting.
+// Converts it further to the photo's value by vignetting.
 Image value_of_light(const ModelData& model, const PhotoData& photo, const Unknowns& x, Image light) {
   Image value = at_sensor(model, photo, x, std::move(light));
   for (std::size_t i = 0; i < value.data.size(); ++i) value.data[i] *= static_cast<float>(vignette_of(photo, x, i));
   return value;
 }
 
-// Of the photo where `light` is seen, in expected errors.
+// Residual of the photo for the light image of `seen`, in expected errors.
 double residual_at(const PhotoData& photo, std::size_t i, const PixelSeen& seen) {
   return photo.weight[i] * (seen.value - photo.photo.value.data[i]);
 }
@@ -248,7 +248,7 @@ PhotoData make_photo_data(const LightView& binned_view, int bin, const Board& bo
                                               grid.corner_y_mm[middle + 1] - grid.corner_y_mm[middle]),
                                    std::hypot(grid.corner_x_mm[middle + width + 1] - grid.corner_x_mm[middle],
                                               grid.corner_y_mm[middle + width + 1] - grid.corner_y_mm[middle]));
-  constexpr double kPaperRimMm = 0.8;  // paper is cut wider than what is printed on it, and lies a little off
+  constexpr double kPaperRimMm = 0.8;  // paper is cut larger than its print, and is slightly displaced
   const BoardMask metal = metal_mask(board, bench, kPaperRimMm + margin_px * (std::isfinite(pixel_mm) ? pixel_mm : 1));
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
@@ -314,7 +314,7 @@ std::vector<GrooveGradients> groove_gradients(const PhotoData& photo, const Unkn
     for (std::size_t e = 0; e < dE_dvalue.size(); ++e) {
       Image back = dE_dvalue[e];
       for (std::size_t i = 0; i < back.data.size(); ++i) back.data[i] *= static_cast<float>(vignette_of(photo, x, i));
-      back = blurred(back, kernel);  // a symmetric kernel is its own adjoint, but for the rim, which is unused
+      back = blurred(back, kernel);  // a symmetric kernel is its own adjoint, except at the rim, which is unused
       if (!falloff.empty()) multiply(back, falloff);
       renderer.backward(back, sums[e]);
     }
@@ -358,7 +358,7 @@ void shift_by_grooves(const ModelData& model, const Unknowns& x, const Carved& c
 void correct_binning(const ModelData& model, const LightView& whole, const Board& board, const Bench& bench,
                      const Unknowns& x, const Carved& carved, std::size_t max_pixels, PhotoData& photo) {
   photo.correction.clear();
-  photo.groove_shift.clear();  // taken anew afterwards: fine and binned pixels are compared without it
+  photo.groove_shift.clear();  // recomputed later: fine and binned pixels are compared without it
   int divisor = 1;
   const auto fits = [&](int d) {
     return photo.bin % d == 0 && whole.value.data.size() / (static_cast<std::size_t>(d) * d) <= max_pixels;
@@ -403,9 +403,10 @@ void correct_binning(const ModelData& model, const LightView& whole, const Board
 
 namespace {
 
-// The picture's derivatives by the lens, in the units of moved_lens(). A turn of the camera about x or y moves what is
-// seen over the picture and changes nothing else, and so does the lens: from G dq/d(rx, ry) = dI/d(rx, ry) follows how
-// the picture changes where its content moves, and dI/dlens = G dq/dlens. That content also grows a little is left out.
+// The picture's derivatives by the lens, in the units of moved_lens(). Rotation of the camera about x or y moves the
+// content over the picture and changes nothing else. The lens does the same. G dq/d(rx, ry) = dI/d(rx, ry) therefore
+// gives the change G of the picture by motion of its content, and dI/dlens = G dq/dlens. The slight change of scale of
+// the content is neglected.
 std::vector<Image> lens_slopes(const PhotoData& photo, const Image& by_rx, const Image& by_ry) {
   const Lens& lens = photo.camera.lens;
   const std::size_t parameters = free_lens_parameters(lens);
@@ -479,10 +480,10 @@ double photo_cost(const ModelData& model, const PhotoData& photo, const Unknowns
 
 namespace {
 
-// Whether light is found by more points of a lamp than slopes are.
+// True if values use more points of an area light than derivatives do.
 bool by_more_points(const Light& lamp) { return lamp_points(lamp).size() > lamp_points(lamp, true).size(); }
 
-// A lamp with an area by few points.
+// Light of an area light by few points.
 Image light_by_few(const PhotoData& photo, const ViewScene& scene, const Carved& carved) {
   if (!by_more_points(scene.light)) return light_of_scene(photo, scene, carved);
   Image sum;
@@ -498,8 +499,8 @@ bool is_small(const Light& lamp, const Material& material, const Eigen::Vector2d
   return is_small_lamp(reach_mm, distance_mm, least);
 }
 
-// Light by few points, with slopes: they say which way and how far to go. Light is what other states' light is compared
-// with, which is not the middle's.
+// Light with derivatives, by few points: derivatives only determine the direction and length of a step. The light
+// itself is compared with other states' light, so a small area light's is not taken at its middle.
 RadianceDerivatives light_with_slopes(const PhotoData& photo, const ViewScene& scene, const Carved& carved,
                                       std::span<const SceneParameter> parameters) {
   const bool by_middle =
@@ -512,7 +513,7 @@ RadianceDerivatives light_with_slopes(const PhotoData& photo, const ViewScene& s
   return out;
 }
 
-// The light of the other end of a difference that stands for a slope.
+// Light at the other end of a finite difference.
 Image light_for_slope(const PhotoData& photo, const Unknowns& x, const ViewScene& scene, const Carved& carved) {
   Image sum = light_by_few(photo, scene, carved);
   const std::vector<float> falloff = falloff_image(photo, x);
@@ -521,13 +522,13 @@ Image light_for_slope(const PhotoData& photo, const Unknowns& x, const ViewScene
   return sum;
 }
 
-// What the renderer must differentiate by for some free unknowns, and where each derivative lies in its answer.
+// The renderer's derivatives for some free unknowns, with the index of each in its answer.
 struct Wanted {
   std::vector<SceneParameter> parameters;
-  // -1: not asked for
+  // -1: not requested
   int alpha = -1, depth = -1, base = -1, grain = -1, lamp = -1, spot = -1, machine = -1, bow = -1, pose = -1;
 
-  // `area_spot`: of a lamp with an area, each of whose points has the spot's fall-off.
+  // `area_spot`: an area light, each of whose points has the spotlight's falloff.
   Wanted(const FreeUnknowns& free, bool area_spot) {
     using P = SceneParameter;
     const auto any = [&](int first, int count) {
@@ -551,14 +552,14 @@ struct Wanted {
     machine = ask(any(unknown::machine, 6),
                   {P::machine_00, P::machine_01, P::machine_02, P::machine_10, P::machine_11, P::machine_12});
     bow = ask(any(unknown::bow, 3), {P::bow_0_mm, P::bow_1_mm, P::bow_2_mm});
-    // The lens' derivatives follow from those by turns of the camera (lens_slopes).
+    // The lens' derivatives follow from these by rotations of the camera (lens_slopes).
     pose = ask(any(unknown::pose, 6) || any(unknown::lens, kMostLensParameters),
                {P::pose_rx, P::pose_ry, P::pose_rz, P::pose_tx_mm, P::pose_ty_mm, P::pose_tz_mm});
   }
 };
 
-// The spot's fall-off, which multiplies everything that the lamp sends: of each pixel (as falloff_image()), and the
-// light's derivatives by it, by lamp position (3; of a lamp with an area as far as that turns the axis) and spot (3).
+// The spotlight's falloff, a factor on all of the lamp's light: at each pixel (as falloff_image()). Also the light's
+// derivatives by it: by lamp position (3; for an area light only by rotation of the axis) and spotlight (3).
 struct SpotSlopes {
   bool is_spot = false;
   std::vector<float> falloff;
@@ -589,8 +590,8 @@ SpotSlopes apply_spot(const PhotoData& photo, const Unknowns& x, RadianceDerivat
   return out;
 }
 
-// The renderer's derivatives by the axis (3) and the exponent, of an axis from the lamp to its aim:
-// axis = (aim - position) / |aim - position|.
+// From the renderer's derivatives by the axis (3) and the exponent, for an axis from the lamp to its aim: axis = (aim -
+// position) / |aim - position|.
 SpotSlopes spot_of_area(const Unknowns& x, const Image* by_axis) {
   const Eigen::Vector3d to_aim =
       Eigen::Vector3d(x[unknown::spot], x[unknown::spot + 1], 0) - x.segment<3>(unknown::lamp_position);
@@ -612,7 +613,7 @@ Image scaled(Image image, double by) {
   return image;
 }
 
-// Adds a stray light's light and derivatives to the lamp's, by all that both depend on.
+// Adds an unmodeled light, and its derivatives by all unknowns shared with the lamp.
 Image add_stray(const PhotoData& photo, const Unknowns& x, const Carved& carved, const FreeUnknowns& free,
                 const Wanted& of_lamp, RadianceDerivatives& rendered) {
   FreeUnknowns shared = free;
@@ -628,7 +629,7 @@ Image add_stray(const PhotoData& photo, const Unknowns& x, const Carved& carved,
   return std::move(stray.radiance);
 }
 
-// Gathers columns, blurred as the photo is.
+// Collects columns, with the photo's blur.
 struct ColumnWriter {
   PhotoSlopes& out;
   const std::vector<float>& kernel;
@@ -662,7 +663,8 @@ void add_depth(const ModelData& model, const PhotoData& photo, const Unknowns& x
   columns.add(unknown::log_depth, by_factor);
 }
 
-// By one more rendering: what no derivative of the renderer tells, as wear, which goes with the carving order.
+// By one more rendering, for unknowns without a derivative in the renderer. An example is wear, which depends on the
+// carving order.
 void add_by_difference(int at, const PhotoData& photo, const Unknowns& x, const Image& light,
                        const CarvedStates& grooves, ColumnWriter& columns) {
   if (!columns.wants(at)) return;
@@ -676,7 +678,7 @@ void add_by_difference(int at, const PhotoData& photo, const Unknowns& x, const 
   columns.add(at, change);
 }
 
-// By the numbers of a light that nobody named, whose own `light` it is. Its place and size by differences.
+// By the numbers of an unmodeled light, whose own `light` it is. Position and size by finite differences.
 void add_stray_slopes(const PhotoData& photo, const Unknowns& x, const Carved& carved, const Image& light,
                       ColumnWriter& columns) {
   for (int at = unknown::stray; at < unknown::stray + kStrayNumbers; ++at) {
@@ -696,8 +698,8 @@ void add_stray_slopes(const PhotoData& photo, const Unknowns& x, const Carved& c
   scene_at(photo, x);
 }
 
-// By how a lamp's sides differ, from both sides: of a disk, which is none of a panel, the difference to panels stays
-// out of it.
+// By the difference of a lamp's sides, with central differences. For a disk, which no panel equals, they cancel the
+// difference between disk and panels.
 void add_sides(const PhotoData& photo, const Unknowns& x, const Carved& carved, ColumnWriter& columns) {
   for (int at = unknown::sides2; at < unknown::sides2 + 2; ++at) {
     if (!columns.wants(at)) continue;
@@ -716,8 +718,8 @@ void add_sides(const PhotoData& photo, const Unknowns& x, const Carved& carved, 
   }
 }
 
-// Where grooves have the paper's cross-section, flanks of x[flank] degrees are asked for as a whole: what photos would
-// show with them less what they show, for effect_choice.h.
+// For grooves with the paper's profile, tests flanks of x[flank] degrees as a whole: the prediction with them less the
+// one without, for effect_choice.h.
 void add_flanks(const PhotoData& photo, const Unknowns& x, const Carved& carved, const Image& light,
                 ColumnWriter& columns) {
   if (!columns.wants(unknown::flank)) return;
@@ -729,8 +731,7 @@ void add_flanks(const PhotoData& photo, const Unknowns& x, const Carved& carved,
   columns.add(unknown::flank, change);
 }
 
-// The renderer moves the ends q as given: dq = M q + m. Ours: q = c + A (p - c) + t, so
-// dq = dA A^-1 (q - c - t) + dt.
+// The renderer moves the carved ends q: dq = M q + m. Here q = c + A (p - c) + t, so dq = dA A^-1 (q - c - t) + dt.
 void add_machine(const ModelData& model, const Unknowns& x, const Image* by_machine, ColumnWriter& columns) {
   const MachineMap map = machine_map(x);
   const Eigen::Matrix2d A_inverse = map.A.inverse();
@@ -751,7 +752,7 @@ void add_machine(const ModelData& model, const Unknowns& x, const Image* by_mach
   }
 }
 
-// By the blur's logarithm: from differences, or as correct_binning() found it.
+// By the blur's logarithm: by finite differences, or from correct_binning().
 void add_blur(const PhotoData& photo, const Unknowns& x, const Image& total, ColumnWriter& columns) {
   if (!columns.wants(unknown::log_blur)) return;
   Image slope(total.width, total.height, 1);
@@ -818,7 +819,7 @@ PhotoSlopes photo_slopes(const ModelData& model, const PhotoData& photo, const U
   if (photo.surroundings != nullptr) columns.add(unknown::ambient, photo.around);
   if (wanted.machine >= 0) add_machine(model, x, &by[wanted.machine], columns);
   if (wanted.pose >= 0) {
-    // Before the poses' own columns take these derivatives away.
+    // Before the poses' own columns move these derivatives away.
     const auto lens_free = free.begin() + unknown::lens;
     if (std::any_of(lens_free, lens_free + kMostLensParameters, [](bool f) { return f; })) {
       std::vector<Image> by_lens = lens_slopes(photo, by[wanted.pose], by[wanted.pose + 1]);
@@ -877,7 +878,7 @@ PhotoEquations photo_equations(const ModelData& model, const PhotoData& photo, c
   Eigen::MatrixXd JtJ = Eigen::MatrixXd::Zero(n, n);
   Eigen::VectorXd Jtr = Eigen::VectorXd::Zero(n);
   Eigen::MatrixXd tile_scores = Eigen::MatrixXd::Zero(n, tiles ? static_cast<Eigen::Index>(tiles->cells()) : 0);
-  Eigen::MatrixXd rows(n, width);  // one row of the photo at a time: a column a pixel
+  Eigen::MatrixXd rows(n, width);  // one row of the photo at a time: one column per pixel
   Eigen::VectorXd r(width), to_noise(width), to_curvature(width);
   Eigen::MatrixXd noise_JtJ = Eigen::MatrixXd::Zero(n, n), curvature_JtJ = noise_JtJ, other_rows;
   for (int y = 0; y < height; ++y) {

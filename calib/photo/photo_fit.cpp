@@ -18,7 +18,7 @@
 namespace burin {
 namespace {
 
-// The unknowns that move a photo here, as Ceres' parameter blocks.
+// The unknowns of a photo, as Ceres' parameter blocks.
 struct Block {
   const UnknownRow* row;
   int first;
@@ -40,11 +40,11 @@ constexpr std::array<Block, count_blocks()> blocks_of_rows() {
 }
 constexpr auto kBlocks = blocks_of_rows();
 
-// One photo as Ceres sees it: its weighted residuals and their Jacobian, turned by an orthogonal transform into count +
-// 1 numbers that have the same cost, gradient and Gauss-Newton matrix. So Ceres' memory does not grow with the pixels.
-// Derivatives take ten times as long as values, so they are kept while they hold (slopes_hold): a fit that starts
-// near its end takes them once.
-// Photos are looked at side by side before Ceres asks (PhotosAtOnce); Ceres then sums them in one order, by one thread.
+// One photo as a Ceres cost function. An orthogonal transform compresses its weighted residuals and their Jacobian to
+// count + 1 numbers with the same cost, gradient and Gauss-Newton matrix. Ceres' memory thus does not grow with the
+// pixels. Derivatives take ten times as long as values, so they are kept while they hold (slopes_hold). A fit that
+// starts near the optimum computes them once. PhotosAtOnce evaluates the photos in parallel before Ceres reads them.
+// Ceres then sums them in one order, by one thread.
 class PhotoCost : public ceres::CostFunction {
  public:
   PhotoCost(const ModelData& model, const PhotoData& photo, const CarvedStates& grooves, std::vector<double*> blocks)
@@ -55,14 +55,14 @@ class PhotoCost : public ceres::CostFunction {
 
   const std::vector<double*>& blocks() const { return blocks_; }
 
-  /// Residuals at what the blocks hold now and, unless `free` is null, their Jacobian by those unknowns.
+  /// Residuals at the blocks' present values and, unless `free_unknowns` is null, their Jacobian by these unknowns.
   void look(const FreeUnknowns* free_unknowns) {
     Unknowns x = Unknowns::Zero();  // cameras, bow and lens are held
     for (std::size_t b = 0; b < kBlocks.size(); ++b)
       for (int i = 0; i < kBlocks[b].row->size; ++i) x[kBlocks[b].first + i] = blocks_[b][i];
     const std::shared_ptr<const Carved> carved = grooves_.at(x);
     residuals_ = Eigen::VectorXd::Zero(unknown::count + 1);
-    // A step that is taken is asked for twice: for its cost, and with the Jacobian.
+    // Ceres evaluates an accepted step twice: for its cost, and with the Jacobian.
     if (light_.data.empty() || x != seen_at_) {
       light_ = seen_light(model_, photo_, x, *carved);
       seen_at_ = x;
@@ -102,7 +102,7 @@ class PhotoCost : public ceres::CostFunction {
   const ModelData& model_;
   const PhotoData& photo_;
   const CarvedStates& grooves_;
-  std::vector<double*> blocks_;  // a parameter block each of kBlocks
+  std::vector<double*> blocks_;  // one parameter block for each of kBlocks
   Unknowns seen_at_ = Unknowns::Zero();
   Image light_;  // at seen_at_
   PhotoSlopes slopes_;
@@ -110,13 +110,13 @@ class PhotoCost : public ceres::CostFunction {
   Eigen::MatrixXd J_;
 };
 
-// Looks at all photos whenever Ceres is about to ask for a state. Two at a time: while one sums its equations, on one
-// core, the other is rendered on all of them. More would take memory (a photo's slopes are 40 pictures) and little
+// Evaluates all photos before Ceres reads a state, two at a time: while one sums its equations on one core, the other
+// is rendered on all cores. More at a time would take memory (a photo's derivatives are 40 pictures) and save little
 // time.
 class PhotosAtOnce : public ceres::EvaluationCallback {
  public:
   std::vector<PhotoCost*> photos;
-  std::vector<FreeUnknowns> free;  // a photo
+  std::vector<FreeUnknowns> free;  // per photo
   int at_once = 2;
 
   void PrepareForEvaluation(bool evaluate_jacobians, bool new_evaluation_point) override {
@@ -137,7 +137,7 @@ struct GaussPrior {
   }
 };
 
-// `row`'s prior on the block that holds it; nothing where it has none.
+// `row`'s prior on its block; none if it has no prior.
 void add_prior(ceres::Problem& problem, const UnknownRow& row, double* block) {
   if (!(row.prior_sigma[0] > 0)) return;
   auto* cost = new ceres::DynamicAutoDiffCostFunction<GaussPrior, 4>(
@@ -147,7 +147,7 @@ void add_prior(ceres::Problem& problem, const UnknownRow& row, double* block) {
   problem.AddResidualBlock(cost, nullptr, block);
 }
 
-// Photos and paper as Ceres' residual blocks. Returns the lamps that they were taken under.
+// Adds photos and paper as Ceres' residual blocks. Returns the photos' lamps.
 std::set<std::size_t> add_residuals(const Problem& data, const CarvedStates& grooves, State& state,
                                     PhotosAtOnce& photos, ceres::Problem& problem) {
   std::set<std::size_t> lights;
@@ -176,14 +176,14 @@ std::set<std::size_t> add_residuals(const Problem& data, const CarvedStates& gro
   return lights;
 }
 
-// A number that is a block by itself and may stand on its bounds.
+// A block of one number with reachable bounds.
 struct Bounded {
   double* value;
   double low, high;
 };
 
-// Holds what the stage does not free, and keeps the rest within its bounds. Returns what may stand on them: all but
-// aims and lamps' places, whose bounds nothing meets that has not gone wrong.
+// Holds the stage's fixed unknowns, and bounds the rest. Returns the ones with reachable bounds: all except aims and
+// lamps' positions, which reach them only in a failed fit.
 std::vector<Bounded> hold_and_bound(const Problem& data, const Stage& stage, const std::set<std::size_t>& lights,
                                     State& state, ceres::Problem& problem) {
   std::vector<Bounded> out;
@@ -207,7 +207,7 @@ std::vector<Bounded> hold_and_bound(const Problem& data, const Stage& stage, con
   return out;
 }
 
-// Which of those stand on a bound that the cost would push them beyond.
+// The ones on a bound against which the cost pushes them.
 std::set<double*> pushed_out(const std::vector<Bounded>& bounded, ceres::Problem& problem) {
   std::vector<Bounded> on_bound;
   ceres::Problem::EvaluateOptions options;
@@ -251,7 +251,7 @@ double solve(const Problem& data, const Stage& stage, int max_iterations, double
   options.initial_trust_region_radius = 1e5;
   options.logging_type = ceres::SILENT;
   options.num_threads = 1;  // sums in one order: the same bits in every run
-  // Each step is searched along, because of the bounds: by costs alone, a cubic would take all derivatives anew.
+  // Bounds require a line search for each step: by costs alone, since a cubic would need all derivatives again.
   options.line_search_interpolation_type = ceres::QUADRATIC;
   struct Report : ceres::IterationCallback {
     const Progress& progress;
@@ -264,9 +264,9 @@ double solve(const Problem& data, const Stage& stage, int max_iterations, double
     }
   } report(progress, stage_name, max_iterations);
   options.callbacks.push_back(&report);
-  // Ceres puts a step back within the bounds and looks for less cost on the way there, which ends where the others make
-  // up for the number that was put back (1.5 % above the least cost, with ambient light that would be negative). So
-  // what is pushed beyond its bound is held there, until it no longer is.
+  // Ceres projects a step onto the bounds and searches along it for a lower cost. The search ends where the other
+  // unknowns compensate for the projected one: 1.5 % above the minimum with ambient light pushed below 0. Unknowns
+  // pushed beyond a bound are therefore held there, until they no longer are.
   ceres::Solver::Summary summary;
   constexpr int kMostRounds = 4;
   std::set<double*> held = pushed_out(bounded, problem);

@@ -1,5 +1,5 @@
-// burin/calib/photo/photo_fit.h - minimizes a problem over what a stage frees. Ceres moves the unknowns; each photo's
-// residuals are compressed to its normal equations.
+// burin/calib/photo/photo_fit.h - minimizes a problem over a stage's free unknowns. Ceres moves the unknowns; each
+// photo's residuals are compressed to its normal equations.
 #pragma once
 
 #include <string>
@@ -9,8 +9,8 @@
 
 namespace burin {
 
-/// Minimizes over what `stage` frees, until the cost falls by less than `tolerance` (relative). Returns the cost;
-/// `state` moves.
+/// Minimizes over the free unknowns of `stage`, until the relative decrease of the cost is less than `tolerance`.
+/// Returns the cost and moves `state`.
 double solve(const Problem& data, const Stage& stage, int max_iterations, double tolerance, State& state,
              const Progress& progress, const std::string& stage_name);
 

@@ -13,7 +13,7 @@
 namespace burin {
 namespace {
 
-// Whether a twentieth of the grooves at least goes the other way along an axis.
+// True if at least a twentieth of the grooves go the other way along an axis.
 bool go_both_ways(const Scratches& sent, int axis) {
   const std::vector<double>&from = axis == 0 ? sent.x0_mm : sent.y0_mm, &to = axis == 0 ? sent.x1_mm : sent.y1_mm;
   std::size_t up = 0, down = 0;
@@ -137,7 +137,7 @@ void keep_within_bounds(const Problem& problem, State& state) {
       if (!has_unknown(problem, row, light)) continue;
       for (int i = row.bounds.at; i < row.bounds.at + row.bounds.count; ++i) {
         double& value = state.block(first, light)[i];
-        // What is no number says nothing: the least that is possible, until photos say more.
+        // A non-finite value carries no information: use the lower bound.
         value = std::isfinite(value) ? std::clamp(value, low, high) : low;
       }
     }
@@ -178,7 +178,7 @@ int photos_at_once(const ModelData& model) {
 void each_photo(std::size_t count, int at_once, const std::function<void(std::size_t)>& body) {
   std::atomic<std::size_t> next{0};
   tbb::parallel_for(0, std::max(1, at_once), [&](int) {
-    // Isolated: a thread that waits for the rest of its own photo's rendering must not begin another photo.
+    // Isolated: a thread waiting for its own photo's rendering must not begin another photo.
     for (std::size_t k = next++; k < count; k = next++) tbb::this_task_arena::isolate([&] { body(k); });
   });
 }
@@ -206,7 +206,7 @@ std::vector<PhotoData> photos_at(const std::vector<LightView>& views, int bin, c
 
 namespace {
 
-// The longest side of a footprint that counts.
+// The longest side of a footprint with nonzero weight.
 double largest_footprint_mm(const PhotoData& photo) {
   const FootprintGrid& grid = *photo.scene.grid;
   const auto row = static_cast<std::size_t>(grid.width()) + 1;

@@ -12,7 +12,7 @@
 namespace burin {
 namespace {
 
-// One pixel's squares: residual, noise, prediction, its slopes by log alpha and log depth.
+// One pixel's squares: residual, noise, prediction, its derivatives by log alpha and log depth.
 struct PixelSquares {
   double residual, noise, value, by_alpha, by_depth;
 };
@@ -20,7 +20,7 @@ struct PixelSquares {
 // The relative error m of the model for which the median of residual^2 / expected^2 is a normal distribution's.
 double relative_error(const std::vector<PixelSquares>& pixels, double alpha_jitter, double depth_jitter) {
   constexpr double kNormalMedian = 0.6745;
-  // Half of the pixels are beyond the median: a pixel is while beyond - m^2 value > 0.
+  // Half of the pixels are beyond the median; a pixel is if beyond - m^2 value > 0.
   std::vector<double> beyond(pixels.size());
   for (std::size_t i = 0; i < pixels.size(); ++i) {
     const PixelSquares& p = pixels[i];
@@ -41,12 +41,12 @@ double relative_error(const std::vector<PixelSquares>& pixels, double alpha_jitt
   return high;
 }
 
-// How the variance of a photo's noise follows brightness, from what its pixels came with. A pixel's own goes with how
-// its noise fell: those that came out too dark would weigh more than those too bright, and a dark view would be taken
-// for darker than it is, by a photon a pixel.
+// Variance of a photo's noise as a function of brightness, from its pixels' variances. A pixel's own variance depends
+// on its noise. Pixels too dark by noise would weigh more than pixels too bright. A dark view would then seem darker
+// than it is, by a photon per pixel.
 class NoiseByValue {
  public:
-  // Of a photo in which some pixel counts.
+  // For a photo with at least one pixel of nonzero weight.
   explicit NoiseByValue(const PhotoData& photo) {
     constexpr std::size_t kMost = 200'000, kGroups = 128;
     const auto counts = [](float weight) { return weight > 0; };
@@ -74,14 +74,14 @@ class NoiseByValue {
     }
   }
 
-  // The variance to be expected of a pixel that came with this value and variance, as bright as it is predicted. From
-  // a shorter exposure than others of its brightness it is noisier, and stays so.
+  // The expected variance of a pixel with this value and variance, at its predicted brightness. If it comes from a
+  // shorter exposure than others of its brightness, it is noisier, and stays so.
   double expected(double variance, double value, double predicted) const {
     return variance * at(predicted) / at(value);
   }
 
  private:
-  // Beyond the darkest and the brightest group as there.
+  // Constant beyond the darkest and the brightest group.
   double at(double value) const {
     const auto after = static_cast<std::size_t>(std::upper_bound(value_.begin(), value_.end(), value) - value_.begin());
     if (after == 0) return variance_.front();
@@ -93,8 +93,8 @@ class NoiseByValue {
   std::vector<double> value_, variance_;
 };
 
-// Variances of log alpha and log depth (not negative) that explain what noise and m leave, by weighted least squares. A
-// residual counts up to 1.5 sigmas: dust, fingerprints and tool marks are no scatter of grooves.
+// Variances of log alpha and log depth (not negative) for residuals beyond noise and m, by weighted least squares. A
+// residual counts up to 1.5 sigmas: dust, fingerprints and tool marks are not groove-to-groove variation.
 Eigen::Vector2d groove_variances(const std::vector<std::vector<PixelSquares>>& photos, const std::vector<double>& m,
                                  const Eigen::Vector2d& variances) {
   Eigen::Matrix2d H = Eigen::Matrix2d::Zero();
@@ -170,7 +170,7 @@ void weigh_photos(Problem& data, const State& state) { weigh(data, state, false)
 void weigh_photos_and_grooves(Problem& data, const State& state) {
   weigh(data, state, true);
   const GrooveScatter scatter = groove_scatter(data, state);
-  // Slopes foretell no more: what asks for it is no difference of grooves.
+  // Derivatives do not hold further: larger variation has another cause.
   constexpr double kMostJitter = 0.5;
   const auto jitter = [&](int kind) {
     const double found = std::sqrt(scatter.variance[kind]);

@@ -18,9 +18,9 @@ void make_spot(const Board& board, double exponent, double* spot) {
 
 namespace {
 
-// chi^2 of a fitted spot's fall-off, and of it times how far beside the board's middle it is aimed, which are all that
-// a bare lamp lacks: beyond what places of the board make up. A fall-off is itself something that places differ by: at
-// the bare lamp's optimum it would pass for their scatter.
+// chi^2 of a fitted spotlight's falloff, and of the falloff times its aim's distance from the board's middle, against
+// the scatter between places of the board. A bare lamp lacks only these two. Falloff itself differs between places: at
+// the bare lamp's optimum it would count as their scatter.
 double chi_squared_of_spot(const Problem& data, const Stage& stage, const State& state, std::size_t light) {
   const EffectEquations equations = effect_equations(data, stage, state, {});
   const ViewEquations& e = equations.views;
@@ -46,7 +46,7 @@ bool choose_spots(const Stage& stage, Problem& data, State& state, std::vector<E
   const std::size_t lights = state.lamps.size();
   const std::vector<bool> were_spots = data.is_spot, held = free_unknowns(data, stage, lights);
   if (std::count(were_spots.begin(), were_spots.end(), false) == 0) return false;
-  // From a fall-off that is next to nothing: light depends linearly on it, and on it times how far beside it is aimed.
+  // Starts from a negligible falloff: light depends linearly on it, and on it times the aim's displacement.
   constexpr double kHardly = 0.01;
   State hardly = state;
   for (std::size_t light = 0; light < lights; ++light) {
@@ -71,7 +71,7 @@ bool choose_spots(const Stage& stage, Problem& data, State& state, std::vector<E
     const Gain held_out = gain_of(held_out_gains(equations.views, equations.H, equations.g, held, added));
     if (!(exponent > kLeastFalloff) || !(held_out.sum > held_out.standard_error)) continue;
     constexpr int kIterations = 8;
-    constexpr double kMostForetold = 10;  // beyond it, what is foretold from a bare lamp is far off
+    constexpr double kMostForetold = 10;  // beyond it, the prediction from a bare lamp is inaccurate
     State trial = state;
     data.is_spot[light] = true;
     make_spot(*data.model.board, std::min(exponent, kMostForetold), trial.block(unknown::spot, light));

@@ -18,7 +18,7 @@ struct BoardSquares {
   explicit BoardSquares(const Board& board)
       : grid(cell_grid(board.size_mm, kStrangeSquareMm)), seen(grid.cells(), 0), strange(seen) {}
   std::size_t at(const Eigen::Vector2d& p_mm) const { return grid.cell(grid.column(p_mm.x()), grid.row(p_mm.y())); }
-  // visit(index) for a square and those that touch it.
+  // Calls visit(index) for a square and its neighbors.
   template <typename Visit>
   void each_around(int column, int row, const Visit& visit) const {
     for (int r = std::max(0, row - 1); r <= std::min(grid.rows - 1, row + 1); ++r)

@@ -1,12 +1,11 @@
-// burin/calib/photo/strange_regions.h - places on the metal that do not look like the board in most photos: a sticker,
+// burin/calib/photo/strange_regions.h - detects places on the metal unlike the board in most photos: a sticker,
 // fingerprints, a stain. Frame: board, mm.
 //
-// A robust loss forgives such pixels, but nobody is told, and no groove under them is measured. What lies on the face
-// lies there in all photos; errors of the model (grooves that differ, a pose) do not make every pixel of a place wrong
-// in most of them. So the board is cut into squares; a square is strange in a photo where at least half of its pixels
-// are beyond four expected errors, and strange altogether where that is so in at least half of the photos that see it,
-// and in two. Strange squares that touch are a region; regions of fewer than four squares are dust, which the loss
-// forgives.
+// A robust loss forgives such pixels, but silently, and grooves under them are not measured. An object on the face is
+// there in all photos. Model errors (groove-to-groove variation, a pose) rarely affect every pixel of a place in most
+// photos. The board is therefore divided into squares. A square is strange in a photo if at least half of its pixels
+// exceed four expected errors. It is strange altogether if it is so in at least half of its photos, and in two.
+// Touching strange squares form a region. Regions of fewer than four squares are dust, which the loss forgives.
 #pragma once
 
 #include <Eigen/Core>
@@ -28,12 +27,12 @@ struct StrangeRegion {
 
 inline constexpr double kStrangeSquareMm = 2;
 
-/// At `state`, photos weighed (weigh_photos_and_grooves). The largest first. None where they make up a third of what is
-/// seen of the metal or more: then it is the model that is wrong, and leaving out what contradicts would hide that.
+/// Regions at `state`, the largest first, with photos weighed (weigh_photos_and_grooves). Empty if they make up a third
+/// or more of the visible metal: then the model is wrong, and leaving out contradictions would hide it.
 std::vector<StrangeRegion> strange_regions(const Problem& data, const State& state);
 
-/// Marks as not valid what `views` (of which photos_at() made the problem's photos) see of the regions and of one
-/// square around them.
+/// Marks pixels of the regions, and of one square around them, as not valid in `views` (the source of the problem's
+/// photos by photos_at()).
 void leave_out(const std::vector<StrangeRegion>& regions, const Problem& data, std::vector<LightView>& views);
 
 /// "a region of 12 x 8 mm at (40, 55) mm does not look like the board in 6 of 7 photos: a sticker, or fingerprints?

@@ -1,10 +1,11 @@
-// burin/calib/photo/stray_light.h - a lamp or window that shines beside every photo's lamp and that nobody named, as
-// unknowns of a fit. Frame: board, mm. docs/model.md 9, "Effects".
+// burin/calib/photo/stray_light.h - an unmodeled lamp or window in addition to every photo's lamp, as unknowns of a
+// fit. Frame: board, mm. docs/model.md 9, "Effects".
 //
-// Its numbers are those that photos follow nearly linearly from as far away as a window: where it is seen from the
-// board's middle (x / z and y / z), the board's diagonal over its distance, what irradiates the middle (radiant
-// intensity over the square of the distance), and the square of its radius over its distance, as a disk that faces the
-// middle.
+// Photos are nearly linear in its numbers, from a window's distance on. They are:
+//   - its direction from the board's middle (x / z and y / z);
+//   - the board's diagonal over its distance;
+//   - the irradiance of the middle (radiant intensity over the square of the distance);
+//   - the square of its radius over its distance, as a disk facing the middle.
 #pragma once
 
 #include <Eigen/Core>
@@ -30,21 +31,21 @@ enum StrayNumber : std::uint8_t {
 };
 using StrayNumbers = std::array<double, kStrayNumbers>;
 
-/// Whether a light by its numbers (as StrayNumbers) shines along the face, from lower than places are sought at: what a
-/// fit makes of light that comes from no lamp.
+/// True if a light of these numbers (as StrayNumbers) shines along the face, lower than the searched directions. Fits
+/// represent light without a lamp in this way.
 inline bool grazes(const double* numbers) {
   constexpr double kSteepest = 5.67;  // tan 80 degrees
   return std::hypot(numbers[kStraySlopeX], numbers[kStraySlopeY]) > kSteepest;
 }
 
-/// Whether there is one.
+/// True if there is one.
 inline bool has_stray(const Unknowns& x) { return x[unknown::stray_light] > 0; }
 
-/// The lamp that these numbers make; its id is "stray".
+/// The lamp of these numbers; its id is "stray".
 Light stray_light(const StrayNumbers& numbers, const Eigen::Vector2d& board_size_mm);
 Light stray_light(const Unknowns& x, const Eigen::Vector2d& board_size_mm);
 
-/// And back.
+/// The numbers of a lamp.
 StrayNumbers stray_numbers(const Light& light, const Eigen::Vector2d& board_size_mm);
 
 /// Its numbers among others, of which `first` is unknown::stray's.

@@ -20,15 +20,15 @@
 namespace burin {
 namespace {
 
-// What the model leaves of one photo, pixel by pixel of those in use, in expected errors; what a unit of light before
-// vignetting is there; and the residuals' derivatives by all that the fit moves: count of unknowns x pixels.
+// Residuals of one photo's used pixels, in expected errors; the value per unit of light before vignetting there; and
+// the residuals' derivatives by all unknowns of the fit: count of unknowns x pixels.
 struct Left {
   std::vector<std::size_t> pixel;
   Eigen::VectorXd residual, per_light;
   Eigen::MatrixXd slopes;
 };
 
-// All photos, and the normal equations of what the fit moves.
+// All photos, and the normal equations of the fit's unknowns.
 struct LeftOfAll {
   std::vector<Left> photos;
   Eigen::MatrixXd inverse;
@@ -37,7 +37,7 @@ struct LeftOfAll {
 
 Left left_of(const Problem& data, const PhotoData& photo, const Unknowns& x, const PhotoSlopes& slopes, double error,
              Eigen::Index unknowns) {
-  constexpr double kMost = 6;  // expected errors: glints of another lamp are many of them, and so are faults of photos
+  constexpr double kMost = 6;  // expected errors: glints of another lamp reach many, and so do faults of photos
   Left out;
   std::vector<double> residual, per_light;
   for (std::size_t i = 0; i < photo.weight.size(); ++i) {
@@ -81,7 +81,7 @@ LeftOfAll left_of_all(const Problem& data, const Stage& stage, const State& stat
   Eigen::MatrixXd H = Eigen::MatrixXd::Zero(unknowns, unknowns);
   out.g = Eigen::VectorXd::Zero(unknowns);
   for (const Left& photo : out.photos) {
-    if (photo.pixel.empty()) continue;  // nothing of it counts, and Eigen divides by a product's inner length
+    if (photo.pixel.empty()) continue;  // no weights, and Eigen divides by a product's inner length
     H.selfadjointView<Eigen::Lower>().rankUpdate(photo.slopes);
     out.g += photo.slopes * photo.residual;
   }
@@ -93,10 +93,10 @@ LeftOfAll left_of_all(const Problem& data, const Stage& stage, const State& stat
   return out;
 }
 
-// A place that light may come from.
+// A candidate position of a light.
 struct Place {
   StrayNumbers numbers{};
-  double score = 0;  // what its light explains: the pull along it over the root of its information
+  double score = 0;  // evidence of its light: the score along it over the root of its information
 };
 
 double angle_between(const Place& a, const Place& b) {
@@ -104,7 +104,7 @@ double angle_between(const Place& a, const Place& b) {
   return std::acos(std::clamp(towards(a).dot(towards(b)), -1.0, 1.0));
 }
 
-// What else might explain the same light. Each is asked for later, by itself.
+// Competing explanations of the same light. Each has its own test later.
 constexpr std::array kOthers{Group::glare, Group::depth_linear, Group::depth_quadratic, Group::grain, Group::backlash};
 
 Stage with_others(Stage stage) {
@@ -112,7 +112,7 @@ Stage with_others(Stage stage) {
   return stage;
 }
 
-// `fitted` with what only with_others() had freed as it was.
+// `fitted`, with the unknowns that only with_others() had freed reset to `before`.
 State without_others(State fitted, const Stage& stage, const State& before) {
   for_each_unknown([&](const UnknownRow& row, int first) {
     if (std::find(kOthers.begin(), kOthers.end(), row.group) == kOthers.end() || stage.frees(row.group)) return;
@@ -127,7 +127,7 @@ State with_stray(const State& state, const StrayNumbers& numbers) {
   return out;
 }
 
-// Sets a place's score, and the light that explains most when all else follows.
+// Sets a place's score, and the irradiance that explains most with all other unknowns free.
 void weigh(const Problem& data, const State& state, const Carved& carved, const LeftOfAll& left, Place& place) {
   place.numbers[kStrayIrradiance] = 1;
   const State with = with_stray(state, place.numbers);
@@ -161,7 +161,7 @@ void weigh(const Problem& data, const State& state, const Carved& carved, const 
 
 // Directions all over the sky above the face, about `step` apart, as far away as the nearest lamp.
 std::vector<Place> sky(const Problem& data, const State& state, double step) {
-  constexpr double kLowest = 75, kOwn = 8;  // degrees from the face's normal; from a lamp that photos were taken under
+  constexpr double kLowest = 75, kOwn = 8;  // degrees from the face's normal; from a lamp of the photos
   const Eigen::Vector2d size_mm = data.model.board->size_mm;
   const auto radians = [](double deg) { return deg * std::numbers::pi / 180; };
   std::vector<Place> own;
@@ -188,7 +188,7 @@ std::vector<Place> sky(const Problem& data, const State& state, double step) {
   return out;
 }
 
-// All places of the sky, weighed.
+// All places of the sky, with scores.
 std::vector<Place> likely_places(const Problem& data, const Stage& stage, const State& state, double step,
                                  const Progress& progress) {
   const Carved carved = carved_at(data.model, state.of(0));
@@ -202,7 +202,7 @@ std::vector<Place> likely_places(const Problem& data, const Stage& stage, const 
   return places;
 }
 
-// The best places, each the best around.
+// The best places, each a local maximum.
 std::vector<Place> best_of(std::vector<Place> places, std::size_t count, double apart) {
   std::sort(places.begin(), places.end(), [](const Place& a, const Place& b) { return a.score > b.score; });
   std::vector<Place> out;
@@ -268,7 +268,7 @@ bool fit_stray_light(const std::vector<StrayNumbers>& places, Problem& data, Sta
   }
   data.has_stray = most.sum > kShare * whole && most.sum > most.standard_error;
   if (!data.has_stray) return false;
-  // A window, not a lamp: photos tell from which side a size grows only where there is one.
+  // A window, not a lamp: derivatives by size are informative only at a size above 0.
   constexpr double kSpread2 = 0.01;
   with.free(Group::stray_size);
   State wide = best;
@@ -278,7 +278,7 @@ bool fit_stray_light(const std::vector<StrayNumbers>& places, Problem& data, Sta
   constexpr double kWideShare = 0.03;  // each of its points takes as long as a lamp
   const bool is_wide = wider.sum > kWideShare * whole && wider.sum > wider.standard_error;
   stage.free(Group::stray).free(Group::stray_size, is_wide);
-  // Without what else might have explained it, from where it was found and from where all else was before.
+  // Without the competing explanations, from the place found and from the other unknowns' earlier values.
   const State& found = is_wide ? wide : best;
   State from_there = fitted(stage, without_others(found, stage, state)),
         from_here = fitted(stage, with_stray(state, stray_numbers(found.block(unknown::stray))));

@@ -1,10 +1,9 @@
-// burin/calib/photo/unknowns.h - the one table of what a fit of photos may move. Frame: board, mm. docs/model.md 9.
+// burin/calib/photo/unknowns.h - the one table of the unknowns in a fit of photos. Frame: board, mm. docs/model.md 9.
 //
-// A row says all that code must know of an unknown: its name, how many numbers it is, whom it belongs to, with what a
-// stage frees it, how it enters a photo's value, its bounds and its prior. Indices, parameter blocks, stages, bounds
-// and priors follow from the rows. What else an unknown needs is its link to a bench (bench_unknowns.cpp: how it is
-// read and written) and its derivative (photo_slopes() where it changes what is rendered, photo_equations() where it
-// does not).
+// A row defines an unknown: its name, its number of values, its owner, its group in stages, its place in a photo's
+// value, its bounds and its prior. Indices, parameter blocks, stages, bounds and priors follow from the rows. An
+// unknown further needs its link to a bench (bench_unknowns.cpp: read and write) and its derivative: in photo_slopes()
+// if it changes the rendering, otherwise in photo_equations().
 #pragma once
 
 #include <Eigen/Core>
@@ -18,7 +17,7 @@
 
 namespace burin {
 
-/// Whom an unknown belongs to.
+/// Owner of an unknown.
 enum class Scope {
   shared,    ///< all photos
   lamp,      ///< each lamp has its own
@@ -26,7 +25,7 @@ enum class Scope {
   paper      ///< all samples of paper; photos of metal do not depend on it
 };
 
-/// What a stage frees or holds together.
+/// Unknowns freed or held together by a stage.
 enum class Group {
   groove,
   depth,
@@ -57,23 +56,23 @@ enum class Group {
   count
 };
 
-/// How an unknown enters a photo's value = vignetting x blur(light of the lamp + ambient light).
+/// Role of an unknown in a photo's value = vignetting x blur(light of the lamp + ambient light).
 enum class Enters {
-  light,    ///< by what is rendered: a column of photo_slopes()
-  ambient,  ///< as light that is added everywhere
-  factor,   ///< as a factor of what the sensor sees
-  glare,    ///< as the part of it that is replaced by light from all over the photo
+  light,    ///< by the rendering: a column of photo_slopes()
+  ambient,  ///< as light added everywhere
+  factor,   ///< as a factor on the sensor's light
+  glare,    ///< as the part of it replaced by light from all over the photo
   paper     ///< not at all: the brightness of paper
 };
 
 /// Bounds of one number of an unknown, or of several in a row.
 struct Bounds {
-  /// What `low` and `high` are: the numbers themselves, logarithms' arguments, the same in units of the tool's width,
-  /// or lengths in units of the board's diagonal.
+  /// Meaning of `low` and `high`: the numbers themselves, logarithms' arguments, these in units of the tool's width, or
+  /// lengths in units of the board's diagonal.
   enum class Kind { none, plain, of_log, of_log_per_tool_width, per_board_diagonal };
   Kind kind = Kind::none;
   double low = 0, high = 0;
-  int at = 0;  ///< which number, the first
+  int at = 0;  ///< index of the first number
   int count = 1;
 };
 
@@ -85,20 +84,20 @@ struct UnknownRow {
   Enters enters = Enters::light;
   Bounds bounds{};
   std::array<double, 3> prior_sigma{};  ///< of each number, about 0; 0: no prior
-  bool of_spot = false;                 ///< exists for spots only
-  bool of_size = false;                 ///< exists for lamps whose size is sought only; else it is held
-  bool of_stray = false;                ///< exists where there is a light that nobody named only
-  int both_ways = -1;                   ///< exists where grooves go both ways along that axis (0: x, 1: y) only
-  int uneven = -1;                      ///< exists where that axis' screw was found to be uneven only
+  bool of_spot = false;                 ///< exists only for spotlights
+  bool of_size = false;                 ///< exists only for lamps whose size is sought; else it is held
+  bool of_stray = false;                ///< exists only with an unmodeled light
+  int both_ways = -1;                   ///< exists only if grooves go both ways along this axis (0: x, 1: y)
+  int uneven = -1;                      ///< exists only if this axis has a detected lead-screw error
 };
 
-/// The board's diagonal over the distance of a light that nobody named. With the most that its size may be, this keeps
-/// what bench.json may hold: a lamp less wide than it is far from the board's corner.
+/// Upper bound of the board's diagonal over the distance of an unmodeled light. With the bound of its size, it
+/// satisfies bench.json's limit: a lamp less wide than its distance from the board's corner.
 inline constexpr double kMostStrayNearness = 0.7;
 
 inline constexpr double kSteepestFlank_deg = 75;  // of a V
 
-inline constexpr double kPaperFactorSigma = 0.02;  // how well albedos in board.json are known, as a common factor
+inline constexpr double kPaperFactorSigma = 0.02;  // relative sigma of board.json's albedos, as a common factor
 
 inline constexpr auto kUnknownRows = std::to_array<UnknownRow>({
     // The grooves: logarithms of roughness and depth; of the plain face's roughness.
@@ -111,8 +110,7 @@ inline constexpr auto kUnknownRows = std::to_array<UnknownRow>({
     {"depth_wear", 1, Scope::shared, Group::depth_wear},
     // a00 a01 a10 a11 tx ty (machine_map.h).
     {"machine", 6, Scope::shared, Group::machine},
-    // Of x and y, mm.
-    // Where all grooves go the same way along an axis, its backlash is but an offset.
+    // Backlash of x and y, mm. If all grooves go the same way along an axis, its backlash is only an offset.
     {"backlash_x", 1, Scope::shared, Group::backlash, Enters::light, {}, {}, false, false, false, 0},
     {"backlash_y", 1, Scope::shared, Group::backlash, Enters::light, {}, {}, false, false, false, 1},
     // The sine's and the cosine's parts of x, then of y, mm; then the logarithms of both periods.
@@ -122,7 +120,7 @@ inline constexpr auto kUnknownRows = std::to_array<UnknownRow>({
     {"log_screw_period_y", 1, Scope::shared, Group::screw_period, Enters::light, {}, {}, false, false, false, -1, 1},
     // FaceGrain's c and s.
     {"grain", 2, Scope::shared, Group::grain},
-    // The profile's: flanks' slope (degrees); burrs left and right, and their width (um); logarithm of across.
+    // The profile's: flanks' slope (degrees); burrs left and right, and their width (um); logarithm of `across`.
     {"flank", 1, Scope::shared, Group::flank, Enters::light, {Bounds::Kind::plain, 5, kSteepestFlank_deg}},
     {"burr_left", 1, Scope::shared, Group::burrs, Enters::light, {Bounds::Kind::plain, 0, 50}},
     {"burr_right", 1, Scope::shared, Group::burrs, Enters::light, {Bounds::Kind::plain, 0, 50}},
@@ -134,9 +132,9 @@ inline constexpr auto kUnknownRows = std::to_array<UnknownRow>({
     {"vignette", 3, Scope::shared, Group::vignette, Enters::factor, {}, kVignettePriorSigma},
     // Logarithm of the Gaussian's sigma in pixels of the merged photos; see also log_blur_range().
     {"log_blur", 1, Scope::shared, Group::blur, Enters::light, {Bounds::Kind::of_log, 0.05, 6.0}},
-    // Share of the light that the lens scatters; core and reach are the bench's (glare_fit.h).
+    // Share of light scattered by the lens; core and reach are the bench's (glare_fit.h).
     {"glare_share", 1, Scope::shared, Group::glare, Enters::glare, {Bounds::Kind::plain, 0, 0.3}},
-    // A light that nobody named (stray_light.h): its direction, nearness, light on the middle, and its size.
+    // An unmodeled light (stray_light.h): its direction, nearness, irradiance of the middle, and its size.
     {"stray_slope",
      2,
      Scope::shared,
@@ -179,22 +177,22 @@ inline constexpr auto kUnknownRows = std::to_array<UnknownRow>({
      true},
     {"lamp_position", 3, Scope::lamp, Group::lamp, Enters::light, {Bounds::Kind::per_board_diagonal, 0.02, 1e4, 2}},
     {"log_intensity", 1, Scope::lamp, Group::intensity, Enters::light, {Bounds::Kind::of_log, 1e-20, 1e20}},
-    // A spot's: where on the plane of the board its axis points (mm), and its exponent; 0 (held): a bare lamp.
+    // A spotlight's: intersection of its axis with the board's plane (mm), and its exponent; 0 (held): a bare lamp.
     {"aim", 2, Scope::lamp, Group::lamp, Enters::light, {Bounds::Kind::per_board_diagonal, -3, 4, 0, 2}, {}, true},
     {"falloff", 1, Scope::lamp, Group::lamp, Enters::light, {Bounds::Kind::plain, 1e-3, 200}, {}, true},
-    // LampArea's numbers in squares of size_unit_mm(); photos follow them nearly linearly from 0 on.
+    // LampArea's numbers in squares of size_unit_mm(); photos are nearly linear in them from 0 on.
     {"size2", 1, Scope::lamp, Group::lamp_size, Enters::light, {Bounds::Kind::plain, 0, 400}, {}, false, true},
     {"sides2", 2, Scope::lamp, Group::lamp_sides, Enters::light, {}, {}, false, true},
     // Rotation vector on the left of T_camera_board; then translation, mm.
     {"pose", 6, Scope::geometry, Group::geometry},
     {"bow", 3, Scope::geometry, Group::geometry},
-    // As moved_lens() (geometry_prior.h) takes them; lenses of more parameters are held.
+    // In moved_lens()'s order (geometry_prior.h); lenses of more parameters are held.
     {"lens", kMostLensParameters, Scope::geometry, Group::geometry},
-    // Logarithm of the factor by which all paper is brighter than board.json has it.
+    // Logarithm of the common factor of all paper's brightness over board.json's.
     {"log_paper", 1, Scope::paper, Group::paper, Enters::paper, {}, {kPaperFactorSigma}},
 });
 
-/// Where the unknowns of scopes up to and with `scope` end in the order of the table.
+/// End of the unknowns of scopes up to `scope`, in the order of the table.
 constexpr int end_of(Scope scope) {
   int end = 0;
   for (const UnknownRow& row : kUnknownRows)
@@ -202,7 +200,7 @@ constexpr int end_of(Scope scope) {
   return end;
 }
 
-/// Where an unknown's first number lies.
+/// Index of an unknown's first number.
 constexpr int first_of(std::string_view name) {
   int first = 0;
   for (const UnknownRow& row : kUnknownRows) {
@@ -212,10 +210,10 @@ constexpr int first_of(std::string_view name) {
   return -1;
 }
 
-/// What the size of a lamp is in units of, mm: a tenth of the board's diagonal.
+/// Unit of a lamp's size, mm: a tenth of the board's diagonal.
 inline double size_unit_mm(const Board& board) { return 0.1 * board.size_mm.norm(); }
 
-/// The unknowns of a photo under one lamp, as one vector: where each lies.
+/// Indices of the unknowns of a photo under one lamp, as one vector.
 namespace unknown {
 inline constexpr int log_alpha = first_of("log_alpha");
 inline constexpr int log_depth = first_of("log_depth");
@@ -254,9 +252,9 @@ inline constexpr int log_paper = first_of("log_paper");
 using Unknowns = Eigen::Matrix<double, unknown::count, 1>;
 using FreeUnknowns = std::array<bool, unknown::count>;
 
-constexpr int kSharedUnknowns = end_of(Scope::shared);                // those before the lamp's
+constexpr int kSharedUnknowns = end_of(Scope::shared);                // before the lamp's
 constexpr int kLampUnknowns = end_of(Scope::lamp) - kSharedUnknowns;  // of each lamp
-constexpr int kFitUnknowns = end_of(Scope::lamp);                     // what a fit of one photo moves
+constexpr int kFitUnknowns = end_of(Scope::lamp);                     // moved by a fit of one photo
 
 /// All unknowns of a problem but the geometry's, in one vector: shared, paper, and a set for each lamp.
 constexpr int kPaperIndex = kSharedUnknowns;
@@ -269,14 +267,14 @@ constexpr Eigen::Index global_count(std::size_t lights) {
   return kPaperIndex + 1 + static_cast<Eigen::Index>(lights) * kLampUnknowns;
 }
 
-/// Which terms of the field of depth are free; and the glare and the lamps' sizes, which are asked for together with
-/// them: either may look like the other.
+/// Free terms of the field of depth, of glare and of the lamps' sizes. All are tested together: one may look like
+/// another.
 struct FreeField {
   bool linear = false, quadratic = false, wear = false, glare = false, size = false;
 };
 
-/// The groups of unknowns that are free while one fit runs. At first all but the field of depth, the blur, the glare,
-/// lamps' sizes, a light that nobody named, and what only some benches have (effect_choice.h).
+/// Groups of free unknowns during a fit. By default all are, except the field of depth, the blur, the glare, lamps'
+/// sizes, an unmodeled light, and effects of only some benches (effect_choice.h).
 class Stage {
  public:
   Stage() {
@@ -306,7 +304,7 @@ class Stage {
   std::array<bool, static_cast<std::size_t>(Group::count)> free_{};
 };
 
-/// body(row, first): for each row of the table in its order, with where its numbers lie.
+/// Calls body(row, first) for each row of the table in its order, with the index of its first number.
 template <typename Body>
 void for_each_unknown(const Body& body) {
   int first = 0;

@@ -1,5 +1,5 @@
-// burin/calib/photo/workspace_pool.h - the renderer's workspaces that photos share: as many as photos are rendered at
-// the same time, however many photos there are. Of many cut grooves one takes a gigabyte.
+// burin/calib/photo/workspace_pool.h - shares the renderer's workspaces among photos: as many as photos are rendered at
+// the same time. With many cut grooves one takes a gigabyte.
 #pragma once
 
 #include <memory>
@@ -12,8 +12,8 @@ namespace burin {
 
 class WorkspacePool : public std::enable_shared_from_this<WorkspacePool> {
  public:
-  /// A free workspace until the pointer goes: the one that rendered this grid last, if it is there, which still has its
-  /// tiles and the pairs of its scratches. Several threads may ask at once.
+  /// A free workspace, until the pointer is destroyed. The last one to render this grid is preferred: it still holds
+  /// the grid's tiles and the pairs of its scratches. Thread-safe.
   std::shared_ptr<RenderWorkspace> borrow(const FootprintGrid* grid);
 
  private:
