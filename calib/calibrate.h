@@ -7,10 +7,10 @@
 //
 // Each view's exposures are merged (burin/capture/photo.h) and its tags found (burin/capture/tags/tag_detector.h). Kept
 // is a picture without color, binned if it is large. Blurred photos are left out. One solve then fits everything
-// geometric (burin/calib/geometry/board_solver.h). After it, paper and face give the lamps (burin/calib/light/lamp.h),
-// photos under a lamp that moved are left out, and findings name other faults (burin/calib/light/photo_faults.h).
-// Scratches give lamp, alpha and depth in burin/calib/refine.h. Frames: board (mm), camera, pixels (center of the
-// top-left pixel is (0, 0)). docs/model.md 1 and 9, docs/file-formats.md.
+// geometric (burin/calib/geometry/board_solver.h). After it, paper and face give the lamps (burin/calib/light/lamp.h).
+// Photos under a lamp that moved are left out. Findings name other faults (burin/calib/light/photo_faults.h). Scratches
+// give lamp, alpha and depth in burin/calib/refine.h. Frames: board (mm), camera, pixels (center of the top-left pixel
+// is (0, 0)). docs/model.md 1 and 9, docs/file-formats.md.
 #pragma once
 
 #include <filesystem>
@@ -51,9 +51,11 @@ struct Calibration {
   double tool_width_um = 400;              ///< of the board, for bench.json's half_width_um
 };
 
-/// Throws Error, naming photo and remedy: for a session without photos, unreadable photos, or photos of different
-/// sizes; for photos without tags of the board's family (naming the family found), or with tags absent from board.json;
-/// for a single view or too few usable views; for a given lens of another picture size.
+/// Throws Error, naming photo and remedy:
+///   - for a session without photos, unreadable photos, or photos of different sizes;
+///   - for photos without tags of the board's family (naming the family found), or with tags absent from board.json;
+///   - for a single view, or too few usable views;
+///   - for a given lens of another picture size.
 Calibration calibrate(const Session& session, const Board& board, const CalibrateOptions& options = {},
                       const Progress& progress = {});
 

@@ -70,8 +70,8 @@ struct LightProbe {
   std::vector<Finding> findings;
 };
 
-/// Throws Error, naming photos, for a lens of other photos; too few tags; no ball; a ball half hidden, not round or too
-/// small in the photos; brackets without an exposure of unclipped lights; and unreadable photos.
+/// Throws Error, naming photos, for unreadable photos, a lens of other photos, or too few tags. Also throws without a
+/// ball, for a ball half hidden, not round or too small, and for brackets without an exposure of unclipped lights.
 LightProbe light_probe(const Session& session, const Board& board, const LightProbeOptions& options = {},
                        const Progress& progress = {});
 

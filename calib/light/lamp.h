@@ -27,8 +27,8 @@ namespace burin {
 struct LampOptions {
   double model_error = 0.02;  ///< relative error of a sample beyond its noise (uneven paper, haze, blur)
   bool fit_spot = true;       ///< try a spotlight if a bare lamp leaves large residuals
-  /// Takes sigmas of positions and base_alpha from groups of samples left out in turn, if these exceed the noise:
-  /// errors of one photo, or of one place on the board, are alike. Takes a dozen fits.
+  /// Takes sigmas of positions and base_alpha from groups of samples left out in turn, if these exceed the noise.
+  /// Errors of one photo, or of one place on the board, are alike. Takes a dozen fits.
   bool jackknife = false;
 };
 

@@ -1,6 +1,6 @@
-// burin/calib/light/photo_faults.h - detects faults of photos by their tags, before and after the solve: blur by focus
-// or motion, tags away from their predicted place, a lamp that moved between photos. Frames: board (mm), camera, pixels
-// (center of the top-left pixel is (0, 0)).
+// burin/calib/light/photo_faults.h - detects faults of photos by their tags, before and after the solve. Faults are
+// blur by focus or motion, tags away from their predicted place, and a lamp that moved between photos. Frames: board
+// (mm), camera, pixels (center of the top-left pixel is (0, 0)).
 #pragma once
 
 #include <optional>
@@ -38,8 +38,8 @@ struct LampGroup {
 };
 std::vector<LampGroup> photos_of_another_lamp(std::span<const LightSample> samples, const Bench& bench);
 
-/// Names of lamps that move with the camera, by the paper in their photos: a fixed place relative to the camera
-/// explains the brightness in all photos far better than a fixed place relative to the board.
+/// Names of lamps that move with the camera, by the paper in their photos. A place fixed to the camera explains the
+/// brightness in all photos far better than one fixed to the board.
 std::vector<std::string> lamps_that_ride(std::span<const LightView> views, std::span<const LightSample> samples,
                                          const Bench& bench);
 

@@ -3,8 +3,8 @@
 // Depth starts constant. Steps add linear terms over the board, then quadratic ones, then wear. Roughness stays
 // constant: of 40 random benches without variation of it, two were given one, which is worse than missing one. A richer
 // field must pass two tests.
-// (a) It predicts held-out views better than the poorer one, view by view, by more than the standard error of the gain:
-//     each view in turn is left out, the field's terms are fitted to the rest, and the left-out view is judged.
+// (a) It predicts held-out views better than the poorer one, view by view, by more than the standard error of the gain.
+//     Each view in turn is left out, the field's terms are fitted to the rest, and the left-out view is judged.
 // (b) It is significant with the model's own errors counted. Every groove has its own depth and roughness. A
 //     field over a thousand grooves with variations of a tenth is not zero. Its terms are therefore compared with
 //     two covariances, with scores summed over squares of the board and over views. Chance passes once in ten
@@ -32,8 +32,8 @@ namespace burin {
 FreeField freed_by(const Stage& stage);
 
 /// `state` must be at the optimum of `stage`; the stage's free terms stay. `shifts` receives changes of the answer over
-/// all unknowns (global_index()): with a size of lamps of weak evidence, and with terms that pass held-out photos and
-/// places but scatter too much between photos.
+/// all unknowns (global_index()). One is with a size of lamps of weak evidence, another with terms that pass held-out
+/// photos and places but scatter too much between photos.
 FreeField choose_depth_field(const Problem& data, const Stage& stage, const State& state,
                              std::vector<Eigen::VectorXd>* shifts = nullptr);
 
