@@ -13,7 +13,7 @@
 #include "burin/base/error.h"
 #include "burin/base/files/input_file.h"
 #include "burin/base/limits.h"
-#include "burin/scene/embree_rays.h"
+#include "burin/scene/ray_tracer.h"
 
 namespace burin {
 namespace {
@@ -149,75 +149,7 @@ struct ObjReader {
   }
 };
 
-// ---- Embree ----
-
-struct Release {
-  void operator()(RTCScene scene) const { rtcReleaseScene(scene); }
-  void operator()(RTCDevice device) const { rtcReleaseDevice(device); }
-};
-using Device = std::unique_ptr<RTCDeviceTy, Release>;
-using Scene = std::unique_ptr<RTCSceneTy, Release>;
-
-constexpr unsigned kFace = 0;  // geometry of the face in the scene; occluders follow
-
-template <class PositionOf>
-void attach(RTCDevice device, RTCScene scene, std::size_t vertices, const PositionOf& position_of,
-            std::span<const std::array<std::uint32_t, 3>> triangles) {
-  RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
-  auto* v = static_cast<float*>(
-      rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), vertices));
-  auto* t = static_cast<std::uint32_t*>(rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
-                                                                3 * sizeof(std::uint32_t), triangles.size()));
-  if (!v || !t) {
-    rtcReleaseGeometry(geometry);
-    fail("board mesh", "Embree has no memory for " + std::to_string(triangles.size()) + " triangles",
-         "use a coarser mesh");
-  }
-  for (std::size_t i = 0; i < vertices; ++i) {
-    const Eigen::Vector3d p = position_of(i);
-    for (int k = 0; k < 3; ++k) v[3 * i + k] = static_cast<float>(p[k]);
-  }
-  for (std::size_t i = 0; i < triangles.size(); ++i) {
-    for (int k = 0; k < 3; ++k) t[3 * i + k] = triangles[i][k];
-  }
-  rtcCommitGeometry(geometry);
-  rtcAttachGeometry(scene, geometry);
-  rtcReleaseGeometry(geometry);
-}
-
-Scene new_scene(RTCDevice device) {
-  Scene scene(rtcNewScene(device));
-  rtcSetSceneFlags(scene.get(), RTC_SCENE_FLAG_ROBUST);  // watertight: no ray passes between two triangles
-  return scene;
-}
-
-RTCRay make_ray(const Eigen::Vector3d& origin, const Eigen::Vector3d& direction, double reach) {
-  RTCRay ray{};
-  ray.org_x = static_cast<float>(origin.x());
-  ray.org_y = static_cast<float>(origin.y());
-  ray.org_z = static_cast<float>(origin.z());
-  ray.dir_x = static_cast<float>(direction.x());
-  ray.dir_y = static_cast<float>(direction.y());
-  ray.dir_z = static_cast<float>(direction.z());
-  ray.tnear = 0;
-  ray.tfar = static_cast<float>(reach);
-  ray.mask = 0xffffffffU;
-  return ray;
-}
-
-/// Geometry and triangle of the first hit.
-struct Hit {
-  unsigned geometry = RTC_INVALID_GEOMETRY_ID, triangle = 0;
-};
-
-Hit intersect(RTCScene scene, const Eigen::Vector3d& origin, const Eigen::Vector3d& direction) {
-  RTCRayHit query{};
-  query.ray = make_ray(origin, direction, std::numeric_limits<double>::infinity());
-  query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-  query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
-  first_hit(scene, query);
-  return {query.hit.geomID, query.hit.primID};
-}
+constexpr unsigned kFace = 0;  // group of the face; occluders follow
 
 /// Normals of each triangle's corners: the area-weighted mean of the face normals at the vertex.
 std::vector<std::array<Eigen::Vector3d, 3>> smooth_normals(const TriangleMesh& mesh) {
@@ -264,9 +196,8 @@ struct BoardMesh::State {
   TriangleMesh face;
   Eigen::Vector2d size_mm;
   double lift_mm = 0;
-  Device device;
-  Scene scene;       // the face and its occluders, in space
-  Scene flat_scene;  // the face's uv * size_mm in the plane z = 0
+  RayTracer in_space;  // the face and its occluders
+  RayTracer flat;      // the face's uv * size_mm in the plane z = 0
 
   Place place_in(unsigned triangle, const Eigen::Vector3d& barycentric) const {
     Place place{{0, 0}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}};
@@ -291,7 +222,7 @@ struct BoardMesh::State {
 
 BoardMesh::BoardMesh(const TriangleMesh& face, const Eigen::Vector2d& size_mm, const std::string& name,
                      std::span<const TriangleMesh> occluders)
-    : state_(std::make_unique<State>()) {
+    : state_(std::make_unique<State>(State{{}, {}, 0, RayTracer(name), RayTracer(name)})) {
   if (!(size_mm.x() > 0 && size_mm.y() > 0 && size_mm.allFinite())) {
     fail(name, "the board's size is not positive", "set size_mm in board.json");
   }
@@ -331,44 +262,34 @@ BoardMesh::BoardMesh(const TriangleMesh& face, const Eigen::Vector2d& size_mm, c
   for (const auto& p : face.position_mm) box.extend(p);
   s.lift_mm = kLiftOverExtent * box.diagonal().norm();
 
-  s.device.reset(rtcNewDevice(nullptr));
-  if (!s.device) fail(name, "Embree cannot start", "check its installation (package libembree)");
-  s.scene = new_scene(s.device.get());
-  attach(
-      s.device.get(), s.scene.get(), face.position_mm.size(), [&](std::size_t i) { return face.position_mm[i]; },
-      face.triangle);
+  s.in_space.add(
+      face.position_mm.size(), [&](std::size_t i) { return face.position_mm[i]; }, face.triangle);
   for (const auto& occluder : occluders) {
     if (occluder.triangle.empty()) continue;
-    attach(
-        s.device.get(), s.scene.get(), occluder.position_mm.size(),
-        [&](std::size_t i) { return occluder.position_mm[i]; }, occluder.triangle);
+    s.in_space.add(
+        occluder.position_mm.size(), [&](std::size_t i) { return occluder.position_mm[i]; }, occluder.triangle);
   }
-  rtcCommitScene(s.scene.get());
+  s.in_space.build();
 
-  s.flat_scene = new_scene(s.device.get());
   std::vector<std::array<std::uint32_t, 3>> corners(face.triangle.size());
   for (std::uint32_t i = 0; i < corners.size(); ++i) corners[i] = {3 * i, 3 * i + 1, 3 * i + 2};
-  attach(
-      s.device.get(), s.flat_scene.get(), 3 * corners.size(),
+  s.flat.add(
+      3 * corners.size(),
       [&](std::size_t i) {
         const Eigen::Vector2d p = face.uv[i / 3][i % 3].cwiseProduct(size_mm);
         return Eigen::Vector3d(p.x(), p.y(), 0);
       },
       corners);
-  rtcCommitScene(s.flat_scene.get());
-  if (rtcGetDeviceError(s.device.get()) != RTC_ERROR_NONE) {
-    fail(name, "Embree could not build its tree over the mesh", "use a coarser mesh");
-  }
+  s.flat.build();
   // Each triangle must be the hit at its own middle.
   for (std::size_t i = 0; i < face.triangle.size(); ++i) {
     const Eigen::Vector2d middle = ((face.uv[i][0] + face.uv[i][1] + face.uv[i][2]) / 3).cwiseProduct(size_mm);
-    const Hit hit = intersect(s.flat_scene.get(), {middle.x(), middle.y(), 1}, {0, 0, -1});
-    if (hit.geometry == RTC_INVALID_GEOMETRY_ID || hit.triangle == i || !overlap(face, size_mm, i, hit.triangle))
-      continue;
+    const auto hit = s.flat.first_hit({middle.x(), middle.y(), 1}, {0, 0, -1});
+    if (!hit || hit->triangle == i || !overlap(face, size_mm, i, hit->triangle)) continue;
     fail(at(i),
          "the mesh folds: its uv cover a place of the flat board twice, here and " +
-             (hit.triangle < face.line.size() ? "at line " + std::to_string(face.line[hit.triangle])
-                                              : "at face " + std::to_string(hit.triangle + 1)),
+             (hit->triangle < face.line.size() ? "at line " + std::to_string(face.line[hit->triangle])
+                                               : "at face " + std::to_string(hit->triangle + 1)),
          "unwrap it so that each place of the flat board is on one face");
   }
 }
@@ -404,9 +325,9 @@ std::optional<BoardMesh::Place> BoardMesh::first_hit(const Eigen::Vector3d& orig
                                                      const Eigen::Vector3d& direction) const {
   const State& s = *state_;
   if (!origin_mm.allFinite() || !direction.allFinite()) return std::nullopt;
-  const Hit hit = intersect(s.scene.get(), origin_mm, direction);
-  if (hit.geometry != kFace) return std::nullopt;
-  const auto& t = s.face.triangle[hit.triangle];
+  const auto hit = s.in_space.first_hit(origin_mm, direction);
+  if (!hit || hit->group != kFace) return std::nullopt;
+  const auto& t = s.face.triangle[hit->triangle];
   const Eigen::Vector3d p0 = s.face.position_mm[t[0]], a = s.face.position_mm[t[1]] - p0,
                         b = s.face.position_mm[t[2]] - p0;
   // In double: origin + lambda direction = p0 + beta a + gamma b, by Cramer's rule.
@@ -415,7 +336,7 @@ std::optional<BoardMesh::Place> BoardMesh::first_hit(const Eigen::Vector3d& orig
   if (!(facing > 0)) return std::nullopt;  // its back
   const Eigen::Vector3d q = o.cross(direction);
   const double beta = b.dot(q) / facing, gamma = -a.dot(q) / facing;
-  Place place = s.place_in(hit.triangle, {1 - beta - gamma, beta, gamma});
+  Place place = s.place_in(hit->triangle, {1 - beta - gamma, beta, gamma});
   const Eigen::Vector2d uv = place.board_mm.cwiseQuotient(s.size_mm);
   if (!(uv.minCoeff() >= -kRimTolerance && uv.maxCoeff() <= 1 + kRimTolerance)) return std::nullopt;
   return place;
@@ -424,25 +345,21 @@ std::optional<BoardMesh::Place> BoardMesh::first_hit(const Eigen::Vector3d& orig
 std::optional<BoardMesh::Place> BoardMesh::place(const Eigen::Vector2d& board_mm) const {
   const State& s = *state_;
   if (!board_mm.allFinite()) return std::nullopt;
-  const Hit hit = intersect(s.flat_scene.get(), {board_mm.x(), board_mm.y(), 1}, {0, 0, -1});
-  if (hit.geometry == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
-  const auto& uv = s.face.uv[hit.triangle];
+  const auto hit = s.flat.first_hit({board_mm.x(), board_mm.y(), 1}, {0, 0, -1});
+  if (!hit) return std::nullopt;
+  const auto& uv = s.face.uv[hit->triangle];
   const Eigen::Vector2d p0 = uv[0].cwiseProduct(s.size_mm), a = uv[1].cwiseProduct(s.size_mm) - p0,
                         b = uv[2].cwiseProduct(s.size_mm) - p0, q = board_mm - p0;
   const double cross = a.x() * b.y() - a.y() * b.x();
   const double beta = (q.x() * b.y() - q.y() * b.x()) / cross, gamma = (a.x() * q.y() - a.y() * q.x()) / cross;
-  return s.place_in(hit.triangle, {1 - beta - gamma, beta, gamma});
+  return s.place_in(hit->triangle, {1 - beta - gamma, beta, gamma});
 }
 
 bool BoardMesh::hidden_from(const Eigen::Vector3d& from_mm, const Eigen::Vector3d& position_mm,
                             const Eigen::Vector3d& normal) const {
   const Eigen::Vector3d start = position_mm + state_->lift_mm * normal, way = from_mm - start;
   if (!(way.dot(normal) > 0)) return true;
-  RTCRay ray = make_ray(start, way, 1);
-  QueryContext context;
-  init_query(context);
-  any_hit(state_->scene.get(), context, false, ray);
-  return ray.tfar < 0;
+  return state_->in_space.is_blocked(start, way);
 }
 
 namespace {
