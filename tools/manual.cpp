@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <string_view>
 
 namespace burin {
@@ -56,7 +57,59 @@ std::string title(const std::string& name) {
   return fmt::format(".TH {} 1 \"\" \"burin {}\" \"User Commands\"\n", roff(name), BURIN_VERSION);
 }
 
+// ---- Markdown ----
+
+std::string option_line(const CLI::Option& option) {
+  std::string type = option.get_type_name();
+  if (option.get_expected_max() == 0 || option.get_type_size() == 0 || option.get_positional()) type.clear();
+  const std::string fallback = option.get_default_str();
+  return fmt::format("- `{}{}`: {}{}{}\n", option.get_name(true, true), type.empty() ? "" : " " + type,
+                     option.get_description(), option.get_required() ? " (required)" : "",
+                     fallback.empty() ? "" : fmt::format(" [default: {}]", fallback));
+}
+
+std::string option_lines(const CLI::App& app) {
+  std::string out;
+  for (const CLI::Option* option : app.get_options())
+    if (!option->check_lname("help")) out += option_line(*option);
+  return out;
+}
+
+std::string command_section(const CLI::App& command, const std::string& name, const std::string& hashes) {
+  std::string out = fmt::format("\n{} {}\n\n{}.\n", hashes, name, command.get_description());
+  const auto parts = command.get_subcommands({});  // commands, and nameless groups of options
+  const bool is_command =
+      std::none_of(parts.begin(), parts.end(), [](const auto* p) { return !p->get_name().empty(); });
+  if (is_command) out += fmt::format("\n```\n{}{} [OPTIONS]\n```\n\n", name, positionals_of(command));
+  out += option_lines(command);
+  for (const CLI::App* part : parts)
+    if (part->get_name().empty()) out += fmt::format("\n{}:\n\n{}", part->get_description(), option_lines(*part));
+  const std::string_view head = "Example:\n  ";
+  if (std::string footer = command.get_footer(); footer.starts_with(head)) {
+    footer.erase(0, head.size());
+    for (std::size_t at; (at = footer.find("\n  ")) != std::string::npos;) footer.erase(at + 1, 2);
+    out += fmt::format("\nExample:\n\n```\n{}\n```\n", footer);
+  }
+  for (const CLI::App* part : parts)
+    if (!part->get_name().empty()) out += command_section(*part, name + " " + part->get_name(), hashes + "#");
+  return out;
+}
+
 }  // namespace
+
+std::string commands_page(const CLI::App& burin) {
+  std::string out =
+      "# Commands\n\nThis reference lists every command and option for those who use the command line.\n"
+      "The program writes this page (`burin_manual`): edit the options' descriptions in `tools/`, not this file.\n"
+      "\nOptions of every command, before or behind its name:\n\n";
+  out += option_lines(burin);
+  std::string group;
+  for (const CLI::App* command : burin.get_subcommands({})) {
+    if (command->get_group() != group) out += fmt::format("\n## {}\n", group = command->get_group());
+    out += command_section(*command, "burin " + command->get_name(), "###");
+  }
+  return out;
+}
 
 std::string manual_page(const CLI::App& burin, const CLI::App* command) {
   if (command != nullptr)

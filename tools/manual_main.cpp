@@ -1,4 +1,4 @@
-// Writes the manual pages and the completion into a folder, when Burin is built: burin_manual FOLDER.
+// Writes the manual pages, docs/commands.md and the completion into a folder, when Burin is built: burin_manual FOLDER.
 #include <exception>
 #include <filesystem>
 
@@ -19,6 +19,7 @@ int main(int argc, char** argv) {
     burin::write_text(burin::manual_page(*app, nullptr), folder / "burin.1");
     for (const CLI::App* command : app->get_subcommands({}))
       burin::write_text(burin::manual_page(*app, command), folder / ("burin-" + command->get_name() + ".1"));
+    burin::write_text(burin::commands_page(*app), folder / "commands.md");
     burin::write_text(burin::bash_completion(*app), folder / "burin.bash");
   } catch (const std::exception& error) {
     fmt::print(stderr, "burin_manual: {}\n", error.what());
