@@ -5,11 +5,14 @@
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
+#include <algorithm>
 #include <cerrno>
+#include <charconv>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
 #include <filesystem>
+#include <initializer_list>
 #include <memory>
 #include <new>
 #include <optional>
@@ -45,24 +48,30 @@ std::unique_ptr<SimdChoice> simd_choice(const std::string& name, const char* whe
   return std::make_unique<SimdChoice>(*width);
 }
 
+std::unique_ptr<ThreadLimit> thread_limit(const std::string& count, const char* where) {
+  int most_threads = 0;
+  const auto [end, error] = std::from_chars(count.data(), count.data() + count.size(), most_threads);
+  if (error != std::errc() || end != count.data() + count.size() || most_threads < 1)
+    throw CLI::ValidationError(where, "\"" + count + "\" is not a number of threads; give 1 or more");
+  return std::make_unique<ThreadLimit>(most_threads);
+}
+
 }  // namespace
 
 std::unique_ptr<CLI::App> make_app() {
   auto burin = std::make_unique<CLI::App>(
       "Turns pictures into scratches on a metal board, and photographs of that board into better scratches.", "burin");
   burin->set_version_flag("--version", "burin " BURIN_VERSION);
-  burin->footer("`burin COMMAND --help` shows a command's options and an example.");
+  burin->footer(
+      "`burin help COMMAND` shows a command's options and an example. Begin with `burin new`.\n"
+      "BURIN_THREADS and BURIN_SIMD stand for --threads and --simd.");
   burin->require_subcommand(1);
   // Read before any command's work begins; the limit lives as long as the app, and so while the command runs.
   const auto limit = std::make_shared<std::unique_ptr<ThreadLimit>>();
   burin
-      ->add_option_function<int>(
-          "--threads",
-          [limit](int most_threads) {
-            if (most_threads < 1) throw CLI::ValidationError("--threads", "no work is done by fewer than 1 thread");
-            *limit = std::make_unique<ThreadLimit>(most_threads);
-          },
-          "Use at most so many threads (all cores unless given)")
+      ->add_option_function<std::string>(
+          "--threads", [limit](const std::string& count) { *limit = thread_limit(count, "--threads"); },
+          "Number of threads at most (default: all cores)")
       ->type_name("N");
   const auto choice = std::make_shared<std::unique_ptr<SimdChoice>>();
   burin
@@ -74,48 +83,96 @@ std::unique_ptr<CLI::App> make_app() {
   // Taken out before anything is parsed (tools/output_mode.h); here for --help.
   burin->add_flag("--quiet")->description("Say nothing but notes and errors");
   burin->add_flag("--json")->description("Say all in one JSON object when it is done");
-  add_new_command(*burin);
-  add_simulate_command(*burin);
-  add_print_command(*burin);
-  add_sheet_command(*burin);
-  add_plan_command(*burin);
-  add_capture_command(*burin);
-  add_watch_command(*burin);
-  add_calibrate_command(*burin);
-  add_lens_command(*burin);
-  add_refine_command(*burin);
-  add_design_command(*burin);
-  add_render_command(*burin);
-  add_toolpath_command(*burin);
-  add_probe_command(*burin);
-  add_coupon_command(*burin);
-  add_report_command(*burin);
-  add_view_command(*burin);
-  add_loop_command(*burin);
-  add_status_command(*burin);
-  add_trace_command(*burin);
-  add_check_command(*burin);
+  const auto group = [&](const char* name, std::initializer_list<void (*)(CLI::App&)> commands) {
+    const std::size_t before = burin->get_subcommands({}).size();
+    for (const auto add_command : commands) add_command(*burin);
+    const auto all = burin->get_subcommands({});
+    for (std::size_t i = before; i < all.size(); ++i) all[i]->group(name);
+  };
+  group("Start a project and follow it", {add_new_command, add_loop_command, add_status_command, add_trace_command});
+  group("Design", {add_design_command, add_render_command, add_view_command});
+  group("Carve", {add_check_command, add_coupon_command, add_toolpath_command, add_probe_command});
+  group("Photograph", {add_plan_command, add_print_command, add_sheet_command, add_watch_command, add_capture_command});
+  group("Calibrate", {add_lens_command, add_calibrate_command, add_refine_command, add_report_command});
+  group("Simulate", {add_simulate_command});
   return burin;
 }
 
 namespace {
 
+/// The fewest letters that are put in, left out, exchanged or swapped with the next to make one word of the other.
+std::size_t letters_apart(const std::string& a, const std::string& b) {
+  std::vector<std::vector<std::size_t>> cost(a.size() + 1, std::vector<std::size_t>(b.size() + 1));
+  for (std::size_t i = 0; i <= a.size(); ++i)
+    for (std::size_t j = 0; j <= b.size(); ++j) {
+      if (i == 0 || j == 0) {
+        cost[i][j] = i + j;
+        continue;
+      }
+      const bool same = a[i - 1] == b[j - 1];
+      cost[i][j] = std::min({cost[i - 1][j] + 1, cost[i][j - 1] + 1, cost[i - 1][j - 1] + (same ? 0 : 1)});
+      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
+        cost[i][j] = std::min(cost[i][j], cost[i - 2][j - 2] + 1);
+    }
+  return cost[a.size()][b.size()];
+}
+
+/// "; did you mean 'design'?", if one of the names is near enough to be meant, or begins so.
+std::string did_you_mean(const std::string& word, const std::vector<std::string>& names) {
+  const std::string* nearest = nullptr;
+  std::size_t least = 1 + std::max<std::size_t>(1, word.size() / 3);
+  for (const std::string& name : names) {
+    const std::size_t apart = word.size() > 3 && name.starts_with(word) ? 1 : letters_apart(word, name);
+    if (apart >= least) continue;
+    least = apart;
+    nearest = &name;
+  }
+  return nearest == nullptr ? "" : fmt::format("; did you mean '{}'?", *nearest);
+}
+
+[[noreturn]] void fail_unknown_command(const CLI::App& app, const std::string& word) {
+  std::vector<std::string> names;
+  for (const CLI::App* command : app.get_subcommands({})) names.push_back(command->get_name());
+  const std::string guess = did_you_mean(word, names);
+  throw CLI::ExtrasError(fmt::format("there is no command '{}'{}", word,
+                                     guess.empty() ? fmt::format("; there are: {}", fmt::join(names, ", ")) : guess),
+                         CLI::ExitCodes::ExtrasError);
+}
+
+/// Names the first word that no option and no file of the command took.
+[[noreturn]] void fail_unexpected(const CLI::App& app) {
+  const CLI::App* command = &app;
+  std::string name = "burin";
+  for (auto parsed = command->get_subcommands(); !parsed.empty(); parsed = command->get_subcommands()) {
+    command = parsed.front();
+    name += " " + command->get_name();
+  }
+  const std::vector<std::string> words = app.remaining(true);
+  const auto option = std::find_if(words.begin(), words.end(), [](const std::string& w) { return w.starts_with("-"); });
+  const std::string word = option != words.end() ? option->substr(0, option->find('=')) : words.empty() ? "" : words[0];
+  std::string guess;
+  if (option != words.end()) {
+    std::vector<std::string> names;
+    for (const CLI::App* from : {command, &app})
+      for (const CLI::Option* known : from->get_options())
+        for (const std::string& one : known->get_lnames()) names.push_back("--" + one);
+    guess = did_you_mean(word, names);
+  }
+  throw CLI::ExtrasError(fmt::format("{} does not take '{}'{}", name, word, guess), CLI::ExitCodes::ExtrasError);
+}
+
 void parse(CLI::App& app, const std::vector<std::string>& arguments) {
   // CLI11 would say only that a command is missing.
   const std::size_t at = place_of_command(arguments);
-  if (at < arguments.size() && !arguments[at].starts_with('-')) {
-    std::string names;
-    bool known = false;
-    for (const CLI::App* command : app.get_subcommands({})) {
-      known = known || command->get_name() == arguments[at];
-      names += (names.empty() ? "" : ", ") + command->get_name();
-    }
-    if (!known)
-      throw CLI::ExtrasError(fmt::format("there is no command '{}'; there are: {}", arguments[at], names),
-                             CLI::ExitCodes::ExtrasError);
+  const auto is_named = [&](const CLI::App* command) { return command->get_name() == arguments[at]; };
+  if (at < arguments.size() && !arguments[at].starts_with('-') && app.get_subcommands(is_named).empty())
+    fail_unknown_command(app, arguments[at]);
+  try {
+    // CLI11 takes the arguments as a stack, the first on top.
+    app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
+  } catch (const CLI::ExtrasError&) {
+    fail_unexpected(app);
   }
-  // CLI11 takes the arguments as a stack, the first on top.
-  app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
 }
 
 }  // namespace
@@ -185,9 +242,12 @@ std::string exception_sentence(const std::exception_ptr& thrown) {
 int run_in_words(const std::vector<std::string>& arguments) {
   const auto app = make_app();
   std::unique_ptr<SimdChoice> by_environment;
+  std::unique_ptr<ThreadLimit> limit_by_environment;
   try {
     if (const char* const name = std::getenv("BURIN_SIMD"); name != nullptr && *name != 0)
       by_environment = simd_choice(name, "BURIN_SIMD");
+    if (const char* const count = std::getenv("BURIN_THREADS"); count != nullptr && *count != 0)
+      limit_by_environment = thread_limit(count, "BURIN_THREADS");
     parse(*app, arguments);
     if (StopOnSignal::asked()) return said_stopped(true);
   } catch (const Stopped&) {
@@ -242,9 +302,22 @@ std::vector<std::string> program_options_first(const std::vector<std::string>& a
 
 }  // namespace
 
+namespace {
+
+/// `burin` and `burin help` as `burin --help`, `burin help design` as `burin design --help`.
+std::vector<std::string> with_help_as_option(const std::vector<std::string>& arguments) {
+  if (arguments.empty()) return {"--help"};
+  if (arguments[0] != "help") return arguments;
+  std::vector<std::string> out(arguments.begin() + 1, arguments.end());
+  out.emplace_back("--help");
+  return out;
+}
+
+}  // namespace
+
 int run_program(const std::vector<std::string>& arguments) {
   fill_closed_streams();
-  std::vector<std::string> command = program_options_first(arguments);
+  std::vector<std::string> command = program_options_first(with_help_as_option(arguments));
   const OutputMode mode = take_output_mode(command);
   int exit_code = kDone;
   const NamedPaths named(command);
