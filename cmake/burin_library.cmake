@@ -22,6 +22,12 @@ file(CREATE_LINK ${PROJECT_SOURCE_DIR} ${burin_include_dir}/burin SYMBOLIC)
 function(burin_library room)
   cmake_parse_arguments(ARG "" "" "USES;PRIVATE_USES;HEADER_ONLY_USES;PUBLIC_HEADERS" ${ARGN})
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS *.cpp)
+  # The folder `core` has what the core has instead of the rest of its room.
+  if(BURIN_CORE AND IS_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR}/core)
+    list(FILTER sources INCLUDE REGEX "/core/")
+  else()
+    list(FILTER sources EXCLUDE REGEX "/core/")
+  endif()
   if(NOT sources)  # a room with headers only still is a library that others can link
     set(sources ${CMAKE_CURRENT_BINARY_DIR}/no_sources.cpp)
     file(WRITE ${sources} "")

@@ -5,6 +5,10 @@ include(${CMAKE_CURRENT_LIST_DIR}/burin_needs.cmake)
 burin_needs(Threads "threads" build-essential https://cmake.org/cmake/help/latest/module/FindThreads.html)
 burin_needs(Eigen3 "Eigen 3.4 or newer" libeigen3-dev https://eigen.tuxfamily.org LEAST 3.4 NO_MODULE)
 burin_needs(TBB "oneTBB" libtbb-dev https://uxlfoundation.github.io/oneTBB)
+if(BURIN_CORE)  # boards of meshes, where it is there
+  find_package(embree QUIET)
+  return()
+endif()
 burin_needs(OpenImageIO "OpenImageIO" libopenimageio-dev https://openimageio.readthedocs.io)
 burin_needs(embree "Embree 3 or 4" libembree-dev https://www.embree.org)  # scene/embree_rays.h
 burin_needs(Ceres "Ceres Solver 2.1 or newer" libceres-dev http://ceres-solver.org/installation.html 2.1)

@@ -2,12 +2,17 @@
 # libraries, their public headers (PUBLIC_HEADERS in each room's CMakeLists.txt), the program with its manual pages and completion, and
 # under share/ the sample, the examples and the documents.
 include(CMakePackageConfigHelpers)
-set(burin_rooms base pictures scene render capture simulate calib optimize)
+set(burin_rooms base pictures scene render optimize)
+if(NOT BURIN_CORE)
+  list(APPEND burin_rooms capture simulate calib)
+endif()
 list(TRANSFORM burin_rooms PREPEND burin_ OUTPUT_VARIABLE burin_targets)
 install(TARGETS ${burin_targets} EXPORT burinTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
         LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}
         FILE_SET HEADERS DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
-install(TARGETS burin RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+if(NOT BURIN_CORE)
+  install(TARGETS burin RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+endif()
 
 set(burin_cmake_dir ${CMAKE_INSTALL_LIBDIR}/cmake/burin)
 install(EXPORT burinTargets NAMESPACE burin:: DESTINATION ${burin_cmake_dir})

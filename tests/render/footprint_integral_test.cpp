@@ -148,9 +148,9 @@ double diameter_mm(const Quad& q) {
 
 double peak(const Problem& p) { return 1 / (std::numbers::pi * p.groove.alpha * p.groove.alpha); }
 
-class Draw {
+class DrawnCase {
  public:
-  explicit Draw(unsigned seed) : engine_(seed) {}
+  explicit DrawnCase(unsigned seed) : engine_(seed) {}
   double uniform(double low, double high) { return std::uniform_real_distribution<>(low, high)(engine_); }
   double log_uniform(double low, double high) { return std::exp(uniform(std::log(low), std::log(high))); }
 
@@ -196,7 +196,7 @@ TEST(FootprintIntegral, EveryRowOfTheTableOfKnownCases) {
 // own cuts carry 1e-16 of the scratch's size. The floor is the table's: D's conditioning in h where the lobe looks
 // elsewhere.
 TEST(FootprintIntegral, AgreesWithSlicingInLongDouble) {
-  Draw draw(1);
+  DrawnCase draw(1);
   int lit = 0;
   for (int i = 0; i < 1500; ++i) {
     const Problem p = draw.problem();
@@ -215,7 +215,7 @@ TEST(FootprintIntegral, AgreesWithSlicingInLongDouble) {
 // 1e-10 of the gradient except where a corner crosses the rim or an end within the step (few draws; they are left out
 // by asking two step sizes to agree).
 TEST(FootprintIntegral, GradientAgreesWithDifferencesOfTheOracle) {
-  Draw draw(2);
+  DrawnCase draw(2);
   int compared = 0;
   for (int i = 0; i < 80; ++i) {
     const Problem p = draw.problem(0.02, 1.0);
@@ -286,7 +286,7 @@ TEST(FootprintIntegral, GradientAgreesWithDifferencesOfTheOracle) {
 // Proves that what is cut in two adds up: no gap and no overlap at any line, for values and shared derivatives. The
 // points of the cut are rounded to doubles, which moves the cut by 1e-16 of their coordinates: the floor knows it.
 TEST(FootprintIntegral, SplitQuadsAddUp) {
-  Draw draw(3);
+  DrawnCase draw(3);
   for (int i = 0; i < 500; ++i) {
     Problem p = draw.problem();
     const double at = draw.uniform(0, 1), at2 = draw.uniform(0, 1);
@@ -310,7 +310,7 @@ TEST(FootprintIntegral, SplitQuadsAddUp) {
 
 // Proves invariances: order of corners, mirror images, moving along the scratch, the choice of units, the length of h.
 TEST(FootprintIntegral, SymmetriesHold) {
-  Draw draw(4);
+  DrawnCase draw(4);
   for (int i = 0; i < 500; ++i) {
     const Problem p = draw.problem();
     const auto reference = value(p);
@@ -349,7 +349,7 @@ TEST(FootprintIntegral, SymmetriesHold) {
 
 // Proves the limit of a perfectly rough wall: D = 1 / pi wherever n.h > 0, so Dhat is the area of that part over pi.
 TEST(FootprintIntegral, RoughnessOneIsTheVisibleAreaOverPi) {
-  Draw draw(5);
+  DrawnCase draw(5);
   for (int i = 0; i < 200; ++i) {
     Problem p = draw.problem(0.005, 1.5);
     p.groove.alpha = 1;
@@ -444,7 +444,7 @@ bool all_finite(const FootprintGradient& g) {
 // Proves that no finite input gives NaN, infinity or a negative number, and no value exceeds area times peak: quads of
 // any shape (crossed, folded, collapsed), of any size and distance, special and general half vectors, extreme grooves.
 TEST(FootprintIntegral, NeverNaN) {
-  Draw draw(6);
+  DrawnCase draw(6);
   for (int i = 0; i < 60000; ++i) {
     Problem p;
     p.groove = {draw.log_uniform(1e-3, 1e5), draw.log_uniform(1e-4, 1e5), draw.log_uniform(1e-7, 1),
@@ -484,7 +484,7 @@ TEST(FootprintIntegral, NeverNaN) {
 
 // Proves h far below the face right as well: it never lights a bench, but a calibration may stray there.
 TEST(FootprintIntegral, HalfVectorsBelowTheFace) {
-  Draw draw(7);
+  DrawnCase draw(7);
   int lit = 0;
   for (int i = 0; i < 2000; ++i) {
     Problem p = draw.problem(0.01);
@@ -531,7 +531,7 @@ TEST(FootprintIntegral, FloatPacketsKeepTheirDigitsInLonePixelsOfAnyShape) {
   int compared = 0;
   double sum_squares = 0;
   for (unsigned seed = 8; seed < 28; ++seed) {
-    Draw draw(seed);
+    DrawnCase draw(seed);
     for (int i = 0; i < 4000; ++i) {
       const Problem p = draw.problem(0.015, 0.7);
       const double size = diameter_mm(p.corners_mm) / (p.groove.width_um / 1000);
@@ -577,7 +577,7 @@ TEST(FootprintCore, MeansAndMomentsAgree) {
 
 // Proves where the groove turns its back: n.h changes sign at the limits, and only there.
 TEST(FootprintCore, FrontFacingLimits) {
-  Draw draw(9);
+  DrawnCase draw(9);
   for (int i = 0; i < 1000; ++i) {
     const double hx = draw.uniform(-1, 1), hz = draw.uniform(-1, 1), rim = draw.uniform(0.01, 1);
     const auto limits = footprint::front_facing(hx, hz, rim);

@@ -10,13 +10,13 @@
 #include <utility>
 #include <vector>
 
+#include "burin/calib/predicted_photo.h"
 #include "burin/capture/photo.h"
 #include "burin/capture/session.h"
 #include "burin/optimize/design/color_views.h"
 #include "burin/optimize/design_file.h"
 #include "burin/optimize/loss/color_metrics.h"
 #include "burin/optimize/target.h"
-#include "burin/calib/predicted_photo.h"
 #include "burin/scene/bench.h"
 #include "burin/scene/bench_of_board.h"
 #include "burin/scene/board.h"
