@@ -28,7 +28,7 @@ double depth_for_command(const DepthTable& table, double command, bool from_zero
   if (table.rows.size() < 2) return std::numeric_limits<double>::quiet_NaN();
   std::vector<DepthStep> rows = table.rows;
   if (from_zero) rows.insert(rows.begin(), {0, 0});
-  // A file's decimals may leave the table by as much.
+  // The decimals of a file can put a command this far outside the table.
   const double rounding = 1e-4 * std::abs(rows.back().command - rows.front().command);
   for (std::size_t i = 0; i + 1 < rows.size(); ++i) {
     const DepthStep &a = rows[i], &b = rows[i + 1];

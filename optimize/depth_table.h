@@ -1,8 +1,8 @@
-// burin/optimize/depth_table.h - what a machine must be told for a depth, where it presses instead of going there.
+// burin/optimize/depth_table.h - command of a pressing machine for a groove depth.
 //
-// A spring or a drag bit is pressed by going below the first contact (preload, mm of Z), a servo by its S value. What
-// depth that makes only the machine itself knows: its table, measured on a test piece, or improved by photos of a board
-// (depths are sent through believed / measured, docs/model.md 7.4).
+// A spring or drag bit is pressed by moving below the first contact (preload, mm of Z). A servo is pressed by its S
+// value. The relation to depth belongs to one machine. A test piece gives its table, and photos of a board improve it:
+// depths are sent times believed / measured (docs/model.md 7.4).
 #pragma once
 
 #include <string>
@@ -13,21 +13,21 @@ namespace burin {
 /// One measured pair.
 struct DepthStep {
   double depth_um = 0;
-  double command = 0;   ///< preload in mm of Z below contact, or the servo's S
-  double sigma_um = 0;  ///< of the depth; 0: not told
+  double command = 0;   ///< preload in mm of Z below contact, or a servo's S
+  double sigma_um = 0;  ///< of the depth; 0: unknown
 };
 
-/// Depths rise from row to row, commands rise (or, for servos, fall). Between rows it is straight.
+/// Rows with rising depths. Commands rise too; a servo's may fall. Interpolation between rows is linear.
 struct DepthTable {
   std::vector<DepthStep> rows;
-  bool assumed = false;  ///< nobody measured it: a built-in profile's
+  bool assumed = false;  ///< nobody measured it: a built-in profile's table
 };
 
-/// What to tell the machine. Throws Error, naming `where`, for a depth beyond the table.
+/// The command for a depth. Throws Error, naming `where`, if the table does not contain the depth.
 double command_for_depth(const DepthTable& table, double depth_um, const std::string& where);
 
-/// What depth a command makes, um. Softer than the first row: straight down to no depth at no preload where `from_zero`
-/// (springs), else NaN. Harder than the last row: NaN.
+/// The depth that a command makes, um. Commands softer than the first row interpolate to no depth at no preload if
+/// `from_zero` (springs), else give NaN. Commands harder than the last row give NaN.
 double depth_for_command(const DepthTable& table, double command, bool from_zero);
 
 }  // namespace burin

@@ -1,13 +1,13 @@
-// burin/optimize/design_file.h - what a person wants a board to show: `design.json`. docs/file-formats.md.
+// burin/optimize/design_file.h - the pictures that a board is to show: `design.json`. docs/file-formats.md.
 //
 //   { "format": "burin/design", "version": 1, "board": "board.json", "bench": "bench.json", "scratches": 40000,
 //     "views": [ { "view": "v00", "light": "lamp", "target": "cat.png", "rotation_deg": 0 } ] }
 //
-// A view may also say "fit": "cover" (default) or "contain", "keep": "top" (or "bottom", "left", "right", "middle"),
-// "levels": [black, white], "mask": "cat-mask.png" and "weight": 2 (how much its errors count; default 1). Where
-// several lights shine at once, "lights": ["sun", "room"] stands for "light". With "color": true the picture is shown
-// in color by lights of different colors at different places; "white" then says what is to look white: "paper"
-// (default), "each" or a light [r, g, b].
+// Optional keys of a view: "fit": "cover" (default) or "contain", "keep": "top" (or "bottom", "left", "right",
+// "middle"), "levels": [black, white], "mask": "cat-mask.png" and "weight": 2 (factor of its errors; default 1).
+// "lights": ["sun", "room"] replaces "light" if several lights shine at once. "color": true shows the picture in color,
+// by lights of different colors at different places. "white" then names the white reference: "paper" (default), "each"
+// or a light [r, g, b].
 #pragma once
 
 #include <Eigen/Core>
@@ -21,37 +21,37 @@
 
 namespace burin {
 
-/// How a picture of another shape is laid on the carve area: `cover` fills it and crops what is left over, `contain`
-/// shows all of the picture on black.
+/// Placement of a picture whose shape differs from the carve area's: `cover` fills the area and crops the rest,
+/// `contain` shows the whole picture on black.
 enum class Fit { cover, contain };
 
-/// Which part of a picture `cover` keeps, where it crops: the edge that stays, in the picture's own frame. `top` and
-/// `bottom` say nothing of a picture that loses width, `left` and `right` nothing of one that loses height.
+/// The edge of a cropped picture that `cover` keeps, in the picture's own frame. `top` and `bottom` have no effect on a
+/// picture that loses width, `left` and `right` none on a picture that loses height.
 enum class Keep { middle, top, bottom, left, right };
 
-/// "middle", "top", ..., as design.json has them.
+/// "middle", "top", ..., as in design.json.
 const char* keep_name(Keep keep);
-/// The other way; nothing for any other text.
+/// The inverse of keep_name; nothing for any other text.
 std::optional<Keep> keep_named(const std::string& name);
 
-/// A picture and how it lies on the board.
+/// A picture and its placement on the board.
 struct TargetSpec {
   std::filesystem::path picture;
-  Image image{};  ///< the picture itself, if it has pixels: one channel or three, 0 to 1, sRGB-encoded as in a PNG
-  double rotation_deg = 0;       ///< counter-clockwise as one looks at the board with x right and y up
-  bool upright_in_view = false;  ///< "rotation_deg": "viewer": upright in that view's photo instead
+  Image image{};  ///< the picture itself, if it has pixels: one or three channels, 0 to 1, sRGB-encoded as in a PNG
+  double rotation_deg = 0;       ///< counter-clockwise, seen with x right and y up
+  bool upright_in_view = false;  ///< "rotation_deg": "viewer": upright in this view's photo instead
   Fit fit = Fit::cover;
-  std::optional<Keep> keep;  ///< nothing: the middle, and whoever loads the picture is told what is cropped
+  std::optional<Keep> keep;                     ///< nothing: the middle, and the loader reports the crop
   std::optional<std::array<double, 2>> levels;  ///< gamma-encoded values that become black and white
-  std::filesystem::path mask;                   ///< picture of what matters (white) and what does not; empty: all
-  Image mask_image{};                           ///< the mask itself, if it has pixels; as `image`
+  std::filesystem::path mask;  ///< picture with white in the pixels that count and black elsewhere; empty: all count
+  Image mask_image{};          ///< the mask itself, if it has pixels; as `image`
 };
 
-/// What looks white in a picture in color, to an eye or a camera.
+/// The white reference of a picture in color, for an eye or a camera.
 struct White {
-  /// `paper`: white paper that lies on the board under all the view's lights. `light`: light of the color `rgb` (a
-  /// camera whose balance stays as it is). `each`: the channels have a brightness of their own each, as a camera's
-  /// whose balance is turned until the picture looks best.
+  /// `paper`: white paper on the board under all the view's lights. `light`: light of the color `rgb` (a camera with a
+  /// fixed balance). `each`: each channel has a brightness of its own, as in a camera whose balance is adjusted for the
+  /// best picture.
   enum class Kind { paper, light, each };
   Kind kind = Kind::paper;
   Eigen::Vector3d rgb{1, 1, 1};
@@ -63,23 +63,23 @@ struct DesignView {
   std::string light = "lamp";  ///< id in bench.json, or several joined by kBesides (burin/scene/bench.h)
   TargetSpec target;
   double weight = 1;  ///< of this view's loss
-  /// The target is shown in color: each scratch throws the color of one of the lights. Else as luminance.
+  /// The target is shown in color: each scratch reflects the color of one of the lights. Else it is shown as luminance.
   bool color = false;
   White white{};
 };
 
-/// A design that is wanted (`design.json`).
+/// A requested design (`design.json`).
 struct DesignSpec {
   std::filesystem::path board, bench;  ///< absolute, or relative to the working directory
-  int scratches = 0;                   ///< how many to start with; weak ones are dropped at the end
+  int scratches = 0;                   ///< initial number; pruning removes weak ones at the end
   std::vector<DesignView> views;
 };
 
-/// Reads `design.json`. Throws Error naming file and field for anything missing, unknown or out of range.
+/// Reads `design.json`. Throws Error naming file and field for a missing, unknown or invalid entry.
 DesignSpec read_design(const std::filesystem::path& file);
 
-/// Writes `design.json`, paths made relative to the file's folder; atomically. Throws Error for a target that is only
-/// in memory.
+/// Writes `design.json` atomically, with paths relative to the file's folder. Throws Error for a target that is only in
+/// memory.
 void write_design(const DesignSpec& spec, const std::filesystem::path& file);
 
 }  // namespace burin

@@ -7,7 +7,7 @@
 namespace burin {
 namespace {
 
-// Rows that stand for one or several cells.
+// A row of one or several cells.
 struct Pooled {
   double depth_um, weight, command, cells;
 
@@ -28,7 +28,7 @@ DepthTable measured_table(const MachineMeasured& measured) {
     if (cell.depth_um && cell.depth_um->sigma > 0 && cell.feed_mm_min == measured.usual_feed_mm_min &&
         cell.spacing_mm == measured.usual_spacing_mm)
       rows.push_back({cell.depth_um->value, std::pow(cell.depth_um->sigma, -2), cell.command, 1});
-  // The coupon's cells are softest first. What falls is taken together with its neighbor.
+  // The coupon's cells begin with the softest. A cell with a smaller depth than its predecessor is pooled with it.
   for (std::size_t i = 0; i + 1 < rows.size();) {
     const Pooled &a = rows[i], &b = rows[i + 1];
     if (b.depth_um > a.depth_um) {

@@ -1,5 +1,5 @@
-// burin/optimize/machine_measured.h - what a coupon told of a machine (burin coupon): the object "measured" of a
-// burin/machine file, and the depth table that follows. docs/file-formats.md, "A carving machine".
+// burin/optimize/machine_measured.h - a coupon's measurement of a machine (burin coupon): the object "measured" of a
+// burin/machine file, and the depth table that follows from it. docs/file-formats.md, "A carving machine".
 #pragma once
 
 #include <optional>
@@ -15,7 +15,7 @@ struct MeasuredNumber {
   double value = 0, sigma = 0;
 };
 
-/// What came of one command at one speed. Nothing: the photos did not tell.
+/// The result of one command at one speed. Depth or alpha is empty if the photos did not determine it.
 struct MeasuredCell {
   double command = 0;  ///< mm below contact or below the face, or a servo's S
   double feed_mm_min = 0, spacing_mm = 0;
@@ -23,7 +23,7 @@ struct MeasuredCell {
   std::optional<MeasuredNumber> depth_um, alpha;
 };
 
-/// What a coupon told of its machine.
+/// A coupon's measurement of its machine.
 struct MachineMeasured {
   int coupon = 0;
   std::string date;
@@ -31,15 +31,16 @@ struct MachineMeasured {
   double usual_feed_mm_min = 0, usual_spacing_mm = 0;
   std::vector<MeasuredCell> cells;
   std::optional<MeasuredNumber> repeat_depth, repeat_alpha;  ///< standard deviations of logarithms
-  double wear_over_mm = 0;                                   ///< of carving
-  std::optional<MeasuredNumber> wear_depth, wear_alpha;      ///< logarithms' change over it
-  std::optional<MeasuredNumber> travel_depth;                ///< deeper by this share going one way than back
+  double wear_over_mm = 0;                                   ///< carved length
+  std::optional<MeasuredNumber> wear_depth, wear_alpha;      ///< change of the logarithms over wear_over_mm
+  /// Relative increase of depth in one direction of travel against the other.
+  std::optional<MeasuredNumber> travel_depth;
   double travel_towards_deg = 0;
 };
 
-/// The depth table that the cells at the usual speed and spacing make, with sigmas. Neighbors whose depths do not rise
-/// with the command, within two sigmas, are taken together; empty where fewer than two rows are left, or where depths
-/// fall beyond that: such a machine has no table.
+/// The depth table from the cells at the usual speed and spacing, with sigmas. It pools neighbors whose depths do not
+/// rise with the command, if they agree within two sigmas. The table is empty if depths fall by more than two sigmas,
+/// or if fewer than two rows remain.
 DepthTable measured_table(const MachineMeasured& measured);
 
 }  // namespace burin

@@ -6,7 +6,7 @@
 
 namespace burin {
 
-/// Throws Error naming file and field of what is wrong.
+/// Throws Error naming file and field of an invalid entry.
 MachineMeasured read_measured(JsonObject json);
 Json measured_json(const MachineMeasured& measured);
 

@@ -29,7 +29,7 @@ MachineProfile linuxcnc() {
   MachineProfile machine = grbl();
   machine.name = "linuxcnc";
   machine.dialect = GcodeDialect::linuxcnc;
-  machine.start = {"G21 G90 G17 G94 G54", "G40 G49 G80", "G0 Z{z_safe}"};  // no tool or length offsets left over
+  machine.start = {"G21 G90 G17 G94 G54", "G40 G49 G80", "G0 Z{z_safe}"};  // resets left-over tool and length offsets
   machine.max_lines = 0;
   return machine;
 }
@@ -38,7 +38,7 @@ MachineProfile marlin() {
   MachineProfile machine;
   machine.name = "marlin";
   machine.dialect = GcodeDialect::marlin;
-  // Marlin moves G0 with the last feed it was told, so every line says its own; M400 waits for the queue to drain.
+  // Marlin moves G0 with the last feed, so every line has its own; M400 waits for the queue to drain.
   machine.start = {"G21", "G90", "G0 Z{z_safe} F{rapid_z}"};
   machine.per_scratch = {"G0 X{x0} Y{y0} F{rapid}", "G1 Z{z_carve} F{plunge_feed}", "G4 P{dwell_ms}",
                          "G1 X{x1} Y{y1} F{feed}", "G0 Z{z_safe} F{rapid_z}"};
@@ -46,8 +46,8 @@ MachineProfile marlin() {
   return machine;
 }
 
-// A spring-loaded tool in grbl's machine. Its table is nobody's measurement: of the order of common spring-loaded
-// diamond points in aluminum.
+// A spring-loaded tool in grbl's machine. Nobody measured its table: it has the order of magnitude of common
+// spring-loaded diamond points in aluminum.
 MachineProfile grbl_spring() {
   MachineProfile machine = grbl();
   machine.name = "grbl-spring";
@@ -57,7 +57,7 @@ MachineProfile grbl_spring() {
   return machine;
 }
 
-// A laser engraver whose Z axis carries a tool instead: the beam stays off, in laser mode ($32=1) and out of it.
+// A laser engraver whose Z axis carries a tool instead. The beam stays off, in laser mode ($32=1) and outside of it.
 MachineProfile laser_z() {
   MachineProfile machine = grbl();
   machine.name = "laser-z";
@@ -75,7 +75,7 @@ std::optional<MachineProfile> built_in(const std::string& name) {
   return std::nullopt;
 }
 
-// The blocks of a head that a servo presses: S comes and goes, Z stays.
+// The blocks of a head that a servo presses: S changes, Z stays.
 void press_by_servo(MachineProfile& machine) {
   const bool marlin = machine.dialect == GcodeDialect::marlin;
   const std::string dwell = marlin ? "G4 P{dwell_ms}" : "G4 P{dwell_s}";
@@ -85,12 +85,12 @@ void press_by_servo(MachineProfile& machine) {
                          "G1 X{x1} Y{y1} F{feed}",
                          "M3 S{servo_up}",
                          dwell};
-  // M2 turns S off. Where that would press the head, grbl's files do without.
+  // M2 turns S off. If that would press the head, grbl's files omit it.
   if (machine.dialect == GcodeDialect::grbl && !lifts_servo(machine, 0))
     machine.end.erase(std::remove(machine.end.begin(), machine.end.end(), "M2"), machine.end.end());
 }
 
-// An S below zero is an error on every controller; only an analog output's Q (M67, M68) may be one.
+// A negative S is an error on every controller; only an analog output's Q (M67, M68) can be negative.
 void check_servo_commands(JsonObject& json, const MachineProfile& machine) {
   const bool by_output =
       std::any_of(machine.per_scratch.begin(), machine.per_scratch.end(),
@@ -103,7 +103,7 @@ void check_servo_commands(JsonObject& json, const MachineProfile& machine) {
     if (outside(row.command)) json.fail_field("depth_table", "has the S " + Json(row.command).dump(), remedy);
 }
 
-// On a laser and on a servo every output may be the beam, or a head.
+// On a laser or a servo, every output may switch the beam or move a head.
 void check_other_m_codes(JsonObject& json, const MachineProfile& machine) {
   const bool servo = machine.depth_by == DepthBy::servo;
   if (!machine.laser && !servo) return;
@@ -119,9 +119,9 @@ void check_other_m_codes(JsonObject& json, const MachineProfile& machine) {
 
 }  // namespace
 
-// Machines that home to their far corner count down from there. What they reach is wanted from work zero.
+// Machines that home to their far corner count down from there, so the reach is converted to work zero.
 void read_travel(JsonObject& json, MachineProfile& machine) {
-  constexpr double kFarthest_mm = 1e5;  // as the replay: no machine reaches 100 m
+  constexpr double kFarthest_mm = 1e5;  // as in the replay: no machine reaches 100 m
   Eigen::Vector2d zero_mm(0, 0);
   if (json.has("work_zero_mm")) {
     const std::vector<double> zero = json.numbers("work_zero_mm", 2);
@@ -141,7 +141,7 @@ void read_travel(JsonObject& json, MachineProfile& machine) {
   machine.travel = MachineBounds{travel.row(0).transpose() - zero_mm, travel.row(1).transpose() - zero_mm};
   if (!(machine.travel->min_mm.array() < machine.travel->max_mm.array()).all())
     json.fail_field("travel_mm", "is " + to_json(travel).dump(), "write the lower-left, then the upper-right corner");
-  // Every board lies right of its work zero and above it.
+  // Every board extends to the right of its work zero and above it.
   if ((machine.travel->max_mm.array() <= 0).any())
     json.fail_field("travel_mm", "reaches no farther than work zero, the board's lower left corner",
                     json.has("work_zero_mm")
@@ -217,7 +217,7 @@ void read_depth_by(JsonObject& json, MachineProfile& machine) {
   if (machine.servo_up >= low && machine.servo_up <= high)
     json.fail_field("servo_up", "is " + Json(machine.servo_up).dump() + ", which depth_table has as a depth",
                     "write the S that lifts the head");
-  // A machine whose deepest S lies nearer to the lifting one than its shallowest turns the wrong way.
+  // A machine whose deepest S is nearer to the lifting S than its shallowest turns the wrong way.
   if (std::abs(rows.front().command - machine.servo_up) > std::abs(rows.back().command - machine.servo_up))
     json.fail_field("servo_up", "is " + Json(machine.servo_up).dump() + ", beyond the deepest row of depth_table",
                     "write the S that lifts the head, which lies on the side of the shallowest row");
@@ -251,7 +251,7 @@ std::vector<int> read_m_codes(JsonObject& json) {
   for (const Json& code : list) {
     if (!code.is_number_integer() || code.get<double>() < 0 || code.get<double>() > 999) wrong("has " + code.dump());
     codes.push_back(code.get<int>());
-    // Codes with a meaning of their own: ends, calls, and offsets.
+    // Codes with effects of their own: ends, calls, and offsets.
     for (const int never : {2, 6, 30, 98, 99, 206, 428})
       if (codes.back() == never) wrong("has M" + std::to_string(never) + ", which does more than it tells");
   }
@@ -278,7 +278,7 @@ MachineLimits read_limits(JsonObject json) {
   limits.max_grooves = json.integer("max_grooves", 0);
   if (limits.max_grooves < 0)
     json.fail_field("max_grooves", "is negative", "write how many may lie over one place, or 0 for no limit");
-  // Both ends move to a step, so a length can be held only if some steps lie between shortest and longest.
+  // Both ends move to a step, so a length is reachable only if some steps are between shortest and longest.
   if (limits.longest_mm > 0 && limits.longest_mm < limits.shortest_mm + 2 * limits.step_mm)
     json.fail_field("longest_mm", "leaves no length above shortest_mm",
                     "make it longer than shortest_mm by at least two steps");
@@ -299,7 +299,7 @@ MachineProfile read_profile(const Json& content, const std::filesystem::path& fi
       json.fail_field(key, "is " + Json(value).dump(),
                       "write " + shortest(least) + " to " + shortest(most) + " " + unit);
   };
-  constexpr double kSlowest = 1, kFastest = 1e6;  // as the replay (carving/toolpath_check.h)
+  constexpr double kSlowest = 1, kFastest = 1e6;  // as in the replay (toolpath/toolpath_check.h)
   within("carve_feed_mm_min", machine.carve_feed_mm_min, kSlowest, kFastest, "mm/min");
   within("plunge_feed_mm_min", machine.plunge_feed_mm_min, kSlowest, kFastest, "mm/min");
   within("rapid_mm_min", machine.rapid_mm_min, kSlowest, kFastest, "mm/min");
@@ -380,14 +380,15 @@ bool presses_by_itself(const MachineProfile& machine) {
 bool keeps_z(const MachineProfile& machine) { return !any_holds(machine.per_scratch, "{z_safe}"); }
 
 bool switches_nothing_on(int m_tenths) {
-  // Ends, pauses, overrides, motors, reports and settings; of outputs, what turns them off (M5, M9, M107).
+  // Ends, pauses, overrides, motors, reports and settings. Of outputs, only the codes that turn them off (M5, M9,
+  // M107).
   constexpr std::array kCodes{0,   10,  20,  50,  90,   170,  180,  300,  480,  490,  500,  510,  520,  530,  730,
                               750, 760, 770, 840, 1050, 1070, 1140, 1170, 1180, 2010, 2030, 2040, 2050, 2110, 4000};
   return std::find(kCodes.begin(), kCodes.end(), m_tenths) != kCodes.end();
 }
 
 bool lifts_servo(const MachineProfile& machine, double command) {
-  constexpr double kSame = 1e-4;  // S as a file's decimals and a controller's digits leave it
+  constexpr double kSame = 1e-4;  // rounding of S by a file's decimals and a controller's digits
   const bool up_is_more = machine.servo_up > machine.depth_table.rows.front().command;
   return up_is_more ? command >= machine.servo_up - kSame : command <= machine.servo_up + kSame;
 }
@@ -415,7 +416,7 @@ MachineProfile machine_profile(const std::string& name_or_file) {
 
 double move_time_s(double length_mm, double feed_mm_min, double acceleration_mm_s2) {
   const double speed_mm_s = feed_mm_min / 60;
-  const double ramps_mm = speed_mm_s * speed_mm_s / acceleration_mm_s2;  // speeding up and slowing down together
+  const double ramps_mm = speed_mm_s * speed_mm_s / acceleration_mm_s2;  // acceleration and deceleration together
   if (length_mm >= ramps_mm) return length_mm / speed_mm_s + speed_mm_s / acceleration_mm_s2;
   return 2 * std::sqrt(length_mm / acceleration_mm_s2);
 }

@@ -11,7 +11,7 @@
 namespace burin {
 namespace {
 
-// An image in memory as light. `name` is what errors call it.
+// An image in memory as linear light. `name` is its name in errors.
 Image linear_picture(const Image& in_memory, const std::string& name) {
   Image picture = in_memory;
   if (picture.height < 1) fail(name, "holds no pixels", "give another picture");
@@ -28,12 +28,12 @@ Image linear_picture(const Image& in_memory, const std::string& name) {
   return picture;
 }
 
-// Of an image in memory (if it has pixels) or of a file.
+// Linear luminance of an image in memory (if it has pixels) or of a file.
 Image linear_luminance(const Image& in_memory, const std::filesystem::path& file, const std::string& name) {
   return in_memory.width <= 0 ? read_linear_luminance(file) : luminance(linear_picture(in_memory, name));
 }
 
-// The same, red, green and blue apart.
+// The same with separate red, green and blue.
 std::vector<Image> linear_channels(const Image& in_memory, const std::filesystem::path& file, const std::string& name) {
   const Image picture = in_memory.width <= 0 ? read_linear_picture(file) : linear_picture(in_memory, name);
   std::vector<Image> out(3, Image(picture.width, picture.height, 1));
@@ -48,7 +48,7 @@ std::string name_of(const TargetSpec& spec) {
   return spec.picture.empty() ? "the target in memory" : spec.picture.string() + " (in memory)";
 }
 
-// Bilinear, clamped at the picture's edge, `outside` beyond half a pixel from it.
+// Bilinear interpolation, clamped at the picture's edge, `outside` beyond half a pixel from it.
 float sample(const Image& image, double x, double y, float outside) {
   if (x < -0.5 || y < -0.5 || x > image.width - 0.5 || y > image.height - 0.5) return outside;
   x = std::clamp(x, 0.0, image.width - 1.0);
@@ -60,7 +60,7 @@ float sample(const Image& image, double x, double y, float outside) {
          fy * ((1 - fx) * image.at(x0, y1) + fx * image.at(x1, y1));
 }
 
-// A picture (linear) laid on the area's grid. `scale_used`: grid pixels a picture pixel became.
+// A linear picture on the area's grid. `scale_used`: grid pixels per picture pixel.
 Image lay_on_area(const Image& picture, double rotation_deg, const TargetSpec& spec, const Eigen::Vector2d& area_mm,
                   int width, int height, float outside, double& scale_used) {
   const double c = std::cos(rotation_deg * kDegree_rad), s = std::sin(rotation_deg * kDegree_rad);
@@ -69,7 +69,7 @@ Image lay_on_area(const Image& picture, double rotation_deg, const TargetSpec& s
   const double mm = laid.mm_per_px;
   const double grid_mm = area_mm.x() / width;
   scale_used = mm / grid_mm;
-  // Area-average first where the picture is finer than the grid, so that nothing aliases.
+  // If the picture is finer than the grid, area averaging comes first to avoid aliasing.
   Image fine;
   const Image* source = &picture;
   double shrink_x = 1, shrink_y = 1;
@@ -94,7 +94,7 @@ Image lay_on_area(const Image& picture, double rotation_deg, const TargetSpec& s
   return out;
 }
 
-// What of a picture lies outside of the carve area, in words; empty where it is next to nothing.
+// The part of a picture outside of the carve area, in words; empty if it is negligible.
 std::string cropped(const Image& picture, const TargetSpec& spec, double rotation_deg, const Eigen::Vector2d& area_mm) {
   if (spec.fit != Fit::cover || spec.keep) return "";
   const double c = std::abs(std::cos(rotation_deg * kDegree_rad)), s = std::abs(std::sin(rotation_deg * kDegree_rad));
@@ -117,9 +117,9 @@ std::string cropped(const Image& picture, const TargetSpec& spec, double rotatio
 LaidPicture laid_picture(int width, int height, Fit fit, Keep keep, double rotation_deg,
                          const Eigen::Vector2d& area_mm) {
   const double c = std::abs(std::cos(rotation_deg * kDegree_rad)), s = std::abs(std::sin(rotation_deg * kDegree_rad));
-  // The turned area's bounding box in the picture's axes decides the size, in mm a picture pixel.
+  // The turned area's bounding box in the picture's axes determines the size, in mm per picture pixel.
   const double box_x = c * area_mm.x() + s * area_mm.y(), box_y = s * area_mm.x() + c * area_mm.y();
-  // "contain" wants the turned picture inside the area: the same with the roles exchanged.
+  // "contain" needs the turned picture inside the area: the same with the roles exchanged.
   const double turned_w = c * width + s * height, turned_h = s * width + c * height;
   LaidPicture laid;
   laid.center_px = {width / 2.0, height / 2.0};
@@ -138,10 +138,10 @@ LaidPicture laid_picture(int width, int height, Fit fit, Keep keep, double rotat
 
 namespace {
 
-// The channels of a picture (linear) laid on the area; what is found and the mask stand in the first.
+// The channels of a linear picture on the area. The first target holds the findings and the mask.
 std::vector<Target> laid_targets(const std::vector<Image>& channels, const TargetSpec& spec, double rotation_deg,
                                  const Eigen::Vector2d& area_mm, int width, int height) {
-  constexpr double kDark = 0.08, kWhite = 0.85, kHardlyAny = 0.01;  // as shown; of the pixels
+  constexpr double kDark = 0.08, kWhite = 0.85, kHardlyAny = 0.01;  // tones as shown, then a share of the pixels
   constexpr float kBright = 0.4F;
   const std::string where = name_of(spec);
   std::vector<Target> all(channels.size());
@@ -157,7 +157,7 @@ std::vector<Target> laid_targets(const std::vector<Image>& channels, const Targe
   if (scale > 4)
     warn("one of its pixels covers " + std::to_string(static_cast<int>(scale)) + " of the design's",
          "give a larger picture");
-  float most = 0;  // contrast of a channel
+  float most = 0;  // largest contrast of a channel
   double mean = 0, bright = 0;
   for (Target& one : all) {
     float low = 1, high = 0;
@@ -216,7 +216,7 @@ std::vector<Target> load_color_target(const TargetSpec& spec, double rotation_de
 double viewer_rotation_deg(const View& view, const Eigen::Vector2d& p_board_mm) {
   const Eigen::Matrix3d R = view.T_camera_board.linear();
   const Eigen::Vector3d p = view.T_camera_board * Eigen::Vector3d(p_board_mm.x(), p_board_mm.y(), 0);
-  // u = x / z, v = y / z: which board direction moves straight up in the photo (u stays, v falls)?
+  // u = x / z, v = y / z: the board direction that moves straight up in the photo (u stays, v falls).
   Eigen::Matrix2d duv_dxy;
   for (int axis = 0; axis < 2; ++axis) {
     duv_dxy(0, axis) = R(0, axis) * p.z() - p.x() * R(2, axis);

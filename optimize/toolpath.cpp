@@ -33,8 +33,8 @@ fs::path part_file(const fs::path& out, std::size_t part, std::size_t parts) {
   return out.parent_path() / (out.stem().string() + "-" + number + out.extension().string());
 }
 
-/// Files that an earlier run for `out` left and this one does not replace: someone would carve them. A file by such a
-/// name may be another job's: its head has to name it as just that part of several.
+/// Files that an earlier run for `out` left and this one does not replace: a person could carve them. A file with such
+/// a name may belong to another job, so its head has to name it as exactly this part of several.
 std::vector<fs::path> stale_files(const fs::path& out, const std::vector<fs::path>& written) {
   constexpr std::uintmax_t kHead = 1 << 14;
   const fs::path folder = out.has_parent_path() ? out.parent_path() : fs::path(".");
@@ -54,7 +54,7 @@ std::vector<fs::path> stale_files(const fs::path& out, const std::vector<fs::pat
   return stale;
 }
 
-/// Throws Error where a part or a frame, whose names nobody gave, would replace what is none of an earlier run's.
+/// Throws Error if a part or a frame, whose name nobody gave, would replace a file of no earlier run.
 void fail_unless_ours(const fs::path& file, const fs::path& out) {
   constexpr std::uintmax_t kHead = 1 << 14;
   std::error_code error;
@@ -68,7 +68,7 @@ void fail_unless_ours(const fs::path& file, const fs::path& out) {
          "name another --out, or move that file away");
 }
 
-/// Throws Error where a person asks for what a drawing or a table does not hold.
+/// Throws Error for options that a drawing or a table cannot express.
 void fail_unless_drawn(const ToolpathOptions& options, const std::string& extension, const fs::path& out) {
   const auto unable = [&](bool asked, const std::string& what) {
     if (asked)
@@ -81,7 +81,7 @@ void fail_unless_drawn(const ToolpathOptions& options, const std::string& extens
   unable(options.part_s > 0, "parts (--chunks)");
 }
 
-/// What a drawing makes of depths that differ.
+/// Reports that a drawing puts different depths on different layers.
 void add_drawing_findings(const DrawingLayers& layers, const fs::path& out, std::vector<Finding>& findings) {
   if (layers.names.size() < 2) return;
   findings.push_back({Finding::Severity::note, out.string(),
@@ -91,7 +91,7 @@ void add_drawing_findings(const DrawingLayers& layers, const fs::path& out, std:
                       "give each layer its own depth in the program that reads it"});
 }
 
-// G-code under its name is G-code that was read back from the disk and replayed.
+// G-code gets its name only after it was read back from the disk and replayed.
 void write_gcode(const std::string& text, const fs::path& file, const Toolpath& path, const MachineProfile& machine,
                  const std::function<void(Replay&)>& check) {
   write_file(text, file, Durability::on_disk, [&](const fs::path& part) {

@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The first name beside `file` that nothing has: machine.json.former, machine.json.former-2, ...
+// The first unused name next to `file`: machine.json.former, machine.json.former-2, ...
 fs::path former_name(const fs::path& file) {
   fs::path out = file;
   out += ".former";
@@ -27,7 +27,7 @@ fs::path former_name(const fs::path& file) {
 
 Json content_of(const std::string& machine, const fs::path& out) {
   if (!fs::exists(machine)) {
-    (void)machine_profile(machine);  // says what there is, if it is no built-in one
+    (void)machine_profile(machine);  // throws Error with the built-in names for an unknown one
     return {{"format", "burin/machine"}, {"version", 1}, {"name", out.stem().string()}, {"based_on", machine}};
   }
   (void)read_machine_profile(machine);

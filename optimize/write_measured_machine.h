@@ -1,4 +1,4 @@
-// burin/optimize/write_measured_machine.h - a machine's file with what a coupon told of it (machine_measured.h).
+// burin/optimize/write_measured_machine.h - a machine's file with a coupon's measurement (machine_measured.h).
 // docs/file-formats.md, "A carving machine".
 #pragma once
 
@@ -10,9 +10,10 @@
 
 namespace burin {
 
-/// Writes `machine` (a built-in name or a file) with what was measured, and the depth table that follows, to `out`, a
-/// JSON file; atomically, and read again before it counts. Where `out` is the machine's own file, what it was is kept
-/// beside it, and that file's path returned. Throws Error for an `out` that is something else's, or no .json.
+/// Writes `machine` (a built-in name or a file) with the measurement, and the depth table that follows from it, to the
+/// JSON file `out`. The write is atomic, and the file is read again before it gets its name. If `out` is the machine's
+/// own file, a copy of its former content stays next to it, and the function returns the copy's path. Throws Error for
+/// an `out` that exists and is another file, and for a name without .json.
 std::optional<std::filesystem::path> write_measured_machine(const std::string& machine, const MachineMeasured& measured,
                                                             const std::filesystem::path& out);
 

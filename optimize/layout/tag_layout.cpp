@@ -10,10 +10,10 @@
 namespace burin {
 namespace {
 
-constexpr double kPaper = 9.0 / 5;  // of a 41h12: modules across its paper, and across the square that is measured
+constexpr double kPaper = 9.0 / 5;  // of a 41h12: modules across its paper, and across the measured square
 constexpr double kGap_mm = 1;       // to the edge, and to the carve area: tags are cut out and glued by hand
-constexpr double kGlued_mm = 0.5;   // one standard deviation of where a hand glues them, by a template
-constexpr double kSmallest_mm = 4;  // a module of 0.8 mm: what any printer still prints
+constexpr double kGlued_mm = 0.5;   // standard deviation of the position of tags glued by hand with a template
+constexpr double kSmallest_mm = 4;  // a module of 0.8 mm, within the reach of any printer
 
 double center_mm(double tag_mm) { return std::ceil(kGap_mm + kPaper * tag_mm / 2); }
 double border_mm(double tag_mm) { return std::ceil(center_mm(tag_mm) + kPaper * tag_mm / 2 + kGap_mm); }
@@ -22,7 +22,7 @@ std::string size_text(const Eigen::Vector2d& mm) {
   return significant(mm.x(), 4) + " x " + significant(mm.y(), 4) + " mm";
 }
 
-// Whole mm from `low` to `high`, both included, so far apart that papers leave room for scissors.
+// Whole mm from `low` to `high`, both included, with room for scissors between papers.
 std::vector<double> places(double low, double high, double pitch_mm, double paper_mm) {
   constexpr double kApart = 1.3;
   const double length = high - low;
@@ -45,7 +45,7 @@ TagSizes tag_sizes(const Eigen::Vector2d& board_mm) {
   if (sizes.largest_mm < kSmallest_mm)
     fail("a board of " + size_text(board_mm), "is too small for tags around a picture",
          "take one whose sides are at least " + significant(4 * border_mm(kSmallest_mm), 4) + " mm");
-  constexpr double kUsualBorder = 0.15, kUsualLargest_mm = 25;  // of the shorter side; larger tags tell nothing more
+  constexpr double kUsualBorder = 0.15, kUsualLargest_mm = 25;  // of the shorter side; larger tags add no information
   sizes.usual_mm = std::floor((kUsualBorder * shorter - 2 * kGap_mm) / kPaper);
   sizes.usual_mm = std::clamp(sizes.usual_mm, kSmallest_mm + 1, kUsualLargest_mm);
   sizes.usual_mm = std::min(sizes.usual_mm, sizes.largest_mm);
@@ -66,7 +66,7 @@ Board board_with_tags(const Eigen::Vector2d& board_mm, double tag_mm) {
   constexpr int kTags = 16;
   const double pitch = 2 * (high.x() + high.y() - 2 * low) / kTags;
   std::vector<double> xs = places(low, high.x(), pitch, paper), ys = places(low, high.y(), pitch, paper);
-  // Two tags in a row would leave the bow of a side to be guessed.
+  // Two tags in a row would leave the warp of a side undetermined.
   const auto with_middle = [&](std::vector<double>& list) {
     if (list.size() == 2 && list[1] - list[0] >= 2 * paper + 2)
       list.insert(list.begin() + 1, std::round((list[0] + list[1]) / 2));

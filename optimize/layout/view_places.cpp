@@ -14,10 +14,10 @@ namespace {
 
 double square(double v) { return v * v; }
 
-// One way to see the scratches of one azimuth.
+// One viewpoint for the scratches of one azimuth.
 struct Candidate {
-  Eigen::Vector3d towards{0, 0, 1};  // the eye, from the middle
-  double cost = 0;                   // of standing there, but for the others' height
+  Eigen::Vector3d towards{0, 0, 1};  // direction of the eye from the middle
+  double cost = 0;                   // of this position, without the others' height
 };
 
 class Search {
@@ -26,7 +26,7 @@ class Search {
       : q_(q),
         middle_((q.carve_min_mm.x() + q.carve_max_mm.x()) / 2, (q.carve_min_mm.y() + q.carve_max_mm.y()) / 2, 0) {
     to_lamp_ = (q.lamp_mm - middle_).normalized();
-    // A tenth of a degree on this side of the wall: places are rounded to whole mm by people.
+    // A tenth of a degree below the cutoff angle, because people round positions to whole mm.
     steepest_ = 2 * std::atan(groove_rim(q.width_um, q.depth_um)) - 0.1 * kDegree_rad;
   }
 
@@ -53,7 +53,7 @@ class Search {
   }
 
  private:
-  // The lean stays inside the reach all over the carve area, its edges included.
+  // The tilt stays below the cutoff angle all over the carve area, edges included.
   bool glints_everywhere(const Eigen::Vector3d& eye_mm) const {
     const GlintView view{"", eye_mm, q_.lamp_mm};
     constexpr int kPoints = 5;
@@ -68,10 +68,10 @@ class Search {
 
   std::vector<Candidate> candidates(double azimuth) const {
     constexpr double kStep = 1 * kDegree_rad, kFurthest = 62 * kDegree_rad, kComfortable = 45 * kDegree_rad;
-    constexpr double kDarkFace = 21 * kDegree_rad;  // the plain face's own shine is small from here on
+    constexpr double kDarkFace = 21 * kDegree_rad;  // the plain face's own reflection is small from here on
     constexpr double kLeast = 8 * kDegree_rad;
-    constexpr double kFromLamp = 25 * kDegree_rad;                   // a head stays out of the light
-    const double mirror = std::asin(std::min(1.0, 3.2 * q_.alpha));  // 3 alpha, and a bit: check_glints
+    constexpr double kFromLamp = 25 * kDegree_rad;                   // keeps a head out of the light
+    const double mirror = std::asin(std::min(1.0, 3.2 * q_.alpha));  // 3 alpha as in check_glints, and a margin
     std::vector<Candidate> out;
     for (const double side : {0.0, std::numbers::pi})
       for (int k = 0;; ++k) {
@@ -90,8 +90,8 @@ class Search {
     return out;
   }
 
-  // Of each view the candidate that is cheapest beside a common height, for the best such height. The y of an eye is
-  // its height before a wall, and how far it leans over a table.
+  // The cheapest candidate of each view relative to a common height, for the best such height. The y of an eye is its
+  // height in front of a wall, and its distance of leaning over a table.
   static void level(const std::vector<std::vector<Candidate>>& views, double& least,
                     std::vector<Eigen::Vector3d>& found) {
     constexpr double kEven = 0.15, kUsualHeight = -0.2, kUsualRange = 0.35;

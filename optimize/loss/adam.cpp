@@ -12,10 +12,10 @@
 namespace burin {
 namespace {
 
-/// Parameters that a task works on: enough to be worth a task, few enough to stay in the cache.
+/// Parameters per task: enough to be worth a task, few enough to stay in the cache.
 constexpr std::size_t kPart = 4096;
 
-/// Ages whose corrections are computed at once.
+/// Number of ages whose corrections are computed at once.
 constexpr std::size_t kAges = 256;
 
 BURIN_MACHINE_CLONES void step_part(std::size_t n, const AdamOptions& options, double rate,
@@ -41,7 +41,7 @@ Adam::Adam(std::size_t parameter_count, const AdamOptions& options)
 void Adam::step(std::span<double> parameters, std::span<const double> gradient, double rate) {
   if (parameters.size() != size() || gradient.size() != size())
     fail("adam", "the arrays do not have the optimizer's size", "make a new Adam after changing the parameters");
-  // No parameter is older than the steps made.
+  // No parameter is older than steps_.
   if (++steps_ > unbias_mean_.size()) {
     for (std::size_t t = unbias_mean_.size(), end = t + kAges; t < end; ++t) {
       unbias_mean_.push_back(1 / (1 - std::pow(options_.beta1, t + 1)));

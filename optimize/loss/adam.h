@@ -1,7 +1,7 @@
 // burin/optimize/loss/adam.h - Adam (Kingma & Ba, ICLR 2015, Algorithm 1) over flat arrays.
 //
-// One Adam holds the moments of one array of parameters. Every parameter may count its own steps, so that one that
-// starts anew (a relocated scratch) is corrected for its own short history and not for the array's.
+// One Adam holds the moments of one array of parameters. Every parameter counts its own steps. The bias correction of a
+// re-inserted scratch therefore matches its own short history and not the array's.
 #pragma once
 
 #include <cstddef>
@@ -11,31 +11,31 @@
 
 namespace burin {
 
-/// Constants of Adam; the defaults are its paper's, but for epsilon.
+/// Constants of Adam; the defaults are the paper's, except epsilon.
 struct AdamOptions {
   double beta1 = 0.9;      ///< decay of the mean gradient
   double beta2 = 0.999;    ///< decay of the mean square
   double epsilon = 1e-12;  ///< in the gradient's unit: gradients far below it hardly move a parameter
 };
 
-/// Adam (Kingma and Ba 2015) over a vector of parameters, each with its own mean gradient, mean square and age.
+/// Adam over a vector of parameters, each with its own mean gradient, mean square and age.
 class Adam {
  public:
-  /// No history yet.
+  /// Starts without history.
   explicit Adam(std::size_t parameter_count, const AdamOptions& options = {});
 
-  /// parameters -= rate * mean / (sqrt(mean square) + epsilon), each corrected for its age. A gradient that is exactly
-  /// zero leaves a parameter without history where it is. Sizes must equal parameter_count. Same bits for any number of
-  /// threads.
+  /// parameters -= rate * mean / (sqrt(mean square) + epsilon), each corrected for its age. A gradient of exactly zero
+  /// does not move a parameter without history. Sizes must equal parameter_count. The same bits result for any number
+  /// of threads.
   void step(std::span<double> parameters, std::span<const double> gradient, double rate);
 
   /// Forgets the history of one parameter.
   void restart(std::size_t index);
 
-  /// Keeps the parameters at `kept`, in that order: after others were dropped, or all were put in another order.
+  /// Keeps the parameters at `kept`, in this order, after a removal or a permutation of parameters.
   void keep(std::span<const std::size_t> kept);
 
-  /// Exchanges the histories of one parameter here and in an optimizer that has made as many steps.
+  /// Exchanges the histories of one parameter between this optimizer and another with as many steps.
   void exchange(std::size_t index, Adam& other);
 
   std::size_t size() const { return mean_.size(); }

@@ -1,4 +1,4 @@
-// burin/optimize/loss/bands.h - an image's rows in parallel, with sums that do not depend on the number of threads.
+// burin/optimize/loss/bands.h - an image's rows in parallel, with sums independent of the number of threads.
 #pragma once
 
 #include <tbb/parallel_for.h>
@@ -8,11 +8,11 @@
 
 namespace burin {
 
-/// Rows a task works on, and the unit of fixed-order sums. Grows with the image so that the bands stay few.
+/// Rows per task, and the unit of fixed-order sums. The bands grow with the image, so their number stays small.
 inline constexpr int kMostBands = 256;
 inline int band_rows(int rows) { return std::max(16, (rows + kMostBands - 1) / kMostBands); }
 
-/// Calls body(first_row, end_row) for fixed bands of rows, in parallel; returns the sum of what it returns, in order.
+/// Calls body(first_row, end_row) for fixed bands of rows, in parallel; returns the sum of the results, in order.
 template <typename Body>
 double sum_over_bands(int rows, const Body& body) {
   const int each = band_rows(rows), bands = (rows + each - 1) / each;

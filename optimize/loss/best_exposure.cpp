@@ -1,6 +1,5 @@
-// The exposure at which a picture comes closest to its target: best_exposure() of picture_metrics.h. An exposure is a
-// factor on light, and so, to the power 1/2.2, one on what is shown: the curve is taken once, not for every exposure
-// tried.
+// best_exposure() of picture_metrics.h. An exposure is a factor on light, so its power 1/2.2 is a factor on the shown
+// picture: the gamma curve is applied once, not for every exposure tried.
 #include <algorithm>
 #include <cmath>
 
@@ -43,7 +42,7 @@ double best_exposure(const Image& radiance, const Image& target, double guess, c
     for (std::size_t i = row_of(first); i < row_of(end); ++i)
       encoded.data[i] = std::pow(std::max(0.0F, radiance.data[i]), kToShown);
   });
-  // Of an exposed picture. What it is divided by does not matter.
+  // The sum for an exposed picture. Its normalization does not affect the minimum.
   const auto error = [&](double log_exposure) {
     const auto scale = static_cast<float>(std::exp(log_exposure / 2.2));
     return sum_over_bands(radiance.height, [&](int first, int end) {
@@ -56,7 +55,7 @@ double best_exposure(const Image& radiance, const Image& target, double guess, c
       return sum;
     });
   };
-  // A coarse scan (the error may have shoulders where much is clipped), then golden section around its best.
+  // A coarse scan (clipping can give the error shoulders), then golden section around its minimum.
   double best = std::log(guess), least = error(best);
   for (int i = -8; i <= 8; ++i) {
     const double at = std::log(guess) + 0.3 * i, e = error(at);

@@ -9,7 +9,7 @@
 namespace burin {
 namespace {
 
-// The mask as often as the picture has channels.
+// The mask, repeated for each channel.
 Image mask_below(const Image& mask, int channels) {
   if (mask.data.empty()) return {};
   if (channels == 1) return mask;
@@ -57,7 +57,7 @@ Image shown_luminance(const Image& picture) {
 }
 
 double color_psnr_db(const Image& picture, const Image& target, const Image& mask) {
-  if (picture.channels == 1) return psnr_db(picture, target, mask);  // without copies
+  if (picture.channels == 1) return psnr_db(picture, target, mask);  // avoids copies
   return psnr_db(channels_below(picture), channels_below(target), mask_below(mask, picture.channels));
 }
 

@@ -1,4 +1,4 @@
-// The gamma curve of burin/optimize/loss/loss.h and its derivative, a row at a time in float packets.
+// The gamma curve of burin/optimize/loss/loss.h and its derivative, one row at a time in SIMD vectors of floats.
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -22,10 +22,10 @@ BURIN_INLINED float horner(float x, float c0, Rest... rest) {
   return c0 + x * horner(x, rest...);
 }
 
-/// v^(1/2.2) for a normal number above 0, to 2e-7 of it: 2^(log2(v) / 2.2), where the logarithm's whole part is kept
-/// apart, because float would round its sum with the rest by as much as that. Both polynomials are minimax ones
-/// (Remez): log2(1 + m) / m between sqrt(1/2) and sqrt(2), off by at most 3.8e-8, and 2^f for |f| <= 1/2, off
-/// by 1.9e-9.
+/// v^(1/2.2) for a normal number above 0, to a relative error of 2e-7: 2^(log2(v) / 2.2). The integer part of the
+/// logarithm is separate, because rounding its float sum with the fraction would cost as much. Both polynomials are
+/// minimax (Remez). log2(1 + m) / m between sqrt(1/2) and sqrt(2) has an error of at most 3.8e-8; 2^f for |f| <= 1/2
+/// has 1.9e-9.
 BURIN_INLINED float encoded(float v) {
   constexpr std::int32_t kSqrtHalf = 0x3f3504f3;
   const auto bits = std::bit_cast<std::int32_t>(v);
@@ -34,11 +34,11 @@ BURIN_INLINED float encoded(float v) {
   const float log2_m = m * horner(m, 1.442695F, -0.721347199F, 0.48091028F, -0.360716264F, 0.287939094F, -0.238675685F,
                                   0.21521226F, -0.208933794F, 0.12926425F);
 
-  constexpr float kHigh = 59578.0F / 131072;  // the first 16 bits of 1/2.2: times the exponent, exact
+  constexpr float kHigh = 59578.0F / 131072;  // the first 16 bits of 1/2.2: exact times the exponent
   constexpr auto kLow = static_cast<float>(1 / 2.2 - 59578.0 / 131072);
   const float high = static_cast<float>(exponent) * kHigh;
   const float low = static_cast<float>(exponent) * kLow + log2_m * kInverseGamma;
-  constexpr float kToInteger = 12582912.0F;  // 1.5 * 2^23: what is added to it is rounded to a whole number
+  constexpr float kToInteger = 12582912.0F;  // 1.5 * 2^23: adding it rounds to an integer
   const float rounded = high + low + kToInteger;
   const float f = (high - (rounded - kToInteger)) + low;
   const std::int32_t power = std::bit_cast<std::int32_t>(rounded) - std::bit_cast<std::int32_t>(kToInteger);
@@ -49,7 +49,7 @@ BURIN_INLINED float encoded(float v) {
 BURIN_MACHINE_CLONES void encode_row(const float* radiance, int n, float exposure, float* picture) {
   for (int i = 0; i < n; ++i) {
     const float light = exposure * radiance[i];
-    // max(0, light) without a branch, which would keep the loop from packets.
+    // max(0, light) without a branch, which would prevent vectorization.
     picture[i] = encoded(0.5F * (light + std::abs(light)) + kOffset);
   }
 }

@@ -10,16 +10,16 @@
 namespace burin {
 namespace {
 
-constexpr int kSide = kGramTilePx + 2;  // of a tile and the pixels that its patches reach over its edge
+constexpr int kSide = kGramTilePx + 2;  // of a tile with the border that its patches reach
 
-/// A tile's pixels less their mean (which no patch without mean sees; float keeps more digits so), from one pixel above
-/// and left of its first center.
+/// A tile's pixels minus their mean, from one pixel above and left of its first center. The mean does not affect
+/// patches without mean, and its removal keeps more digits in float.
 struct TilePixels {
   alignas(64) float value[kSide][kSide + 2];
   int width, height;  // of the tile, in centers
 };
 
-/// Moments of 3x3 patches, place 3 (dy + 1) + dx + 1 by the same.
+/// Moments of 3x3 patches; both indices are 3 (dy + 1) + dx + 1.
 using Moments = std::array<float, 81>;
 
 BURIN_INLINED void load(const float* corner, int stride, TilePixels& t) {
@@ -41,9 +41,10 @@ BURIN_INLINED float folded(const float* columns) {
   return (c[0] + c[2]) + (c[1] + c[3]);
 }
 
-/// M over n. The moment of two places of the patch is a sum of products of pixels at one offset over a window that
-/// moves with the first of them: one sum of products an offset and column, and for the window's next rows what enters
-/// it less what leaves it. `kWidth` is the tile's width, or 0 where it is narrower than kGramTilePx.
+/// M over n. The moment of two places of the patch is a sum of products of pixels at one offset. The sum covers a
+/// window that moves with the first place. One sum per offset and column is computed; for the window's next rows the
+/// entering products are added and the leaving ones subtracted. `kWidth` is the tile's width, or 0 if it is narrower
+/// than kGramTilePx.
 template <int kWidth>
 BURIN_INLINED void moments_of(const TilePixels& t, Moments& moments) {
   static_assert(kGramTilePx == 32);
@@ -71,7 +72,7 @@ BURIN_INLINED void moments_of(const TilePixels& t, Moments& moments) {
   }
 }
 
-/// P M P: rows and columns without their means.
+/// P M P: subtracts the means of rows and columns.
 BURIN_INLINED void project(Moments& m) {
   for (int pass = 0; pass < 2; ++pass) {
     const int along = pass == 0 ? 1 : 9, across = pass == 0 ? 9 : 1;
@@ -93,15 +94,15 @@ BURIN_MACHINE_CLONES void projected_moments(const float* corner, int stride, Til
   project(moments);
 }
 
-/// Adds to `gradient` (its corner as load()'s) the sum over the tile's patches p of A p, each at the pixels it came
-/// from. Patches at the same place of their rows share their pixels: a 5x3 filter for each column of a patch.
+/// Adds the sum over the tile's patches p of A p, each at the pixels of p, to `gradient` (its corner as load()'s).
+/// Patches at the same place of their rows share their pixels: a 5x3 filter results for each column of a patch.
 template <int kWidth>
 BURIN_INLINED void scatter(const TilePixels& t, const Moments& A, int stride, float* gradient) {
   const int w = kWidth > 0 ? kWidth : t.width, h = t.height;
-  float filter[3][5][3];  // by the patch's column of the pixel; row and column of another pixel, from this row - 2
+  float filter[3][5][3];  // index: the patch's column of the pixel; row and column of another pixel, from this row - 2
   int first_before = -1, end_before = -1;
   for (int r = 0; r < h + 2; ++r) {
-    // Rows of patches in which this row of pixels can stand: those whose center lies within the tile.
+    // Rows of the patch that can contain this row of pixels: the patch's center is within the tile.
     const int first = std::max(0, r - h + 1), end = std::min(2, r) + 1;
     if (first != first_before || end != end_before) {
       first_before = first;
@@ -115,7 +116,7 @@ BURIN_INLINED void scatter(const TilePixels& t, const Moments& A, int stride, fl
             filter[dx][oy + 2][x] = sum;
           }
     }
-    // Rows beyond the pixels have weight 0; any row that exists may stand for them.
+    // Rows beyond the pixels have weight 0; any existing row can replace them.
     const float* row[5];
     for (int k = 0; k < 5; ++k) row[k] = t.value[std::clamp(r + k - 2, 0, h + 1)];
     for (int dx = 0; dx < 3; ++dx) {
@@ -137,7 +138,7 @@ BURIN_MACHINE_CLONES void add_patch_gradient(const TilePixels& t, const Moments&
     scatter<0>(t, A, stride, gradient);
 }
 
-/// Means of 2x2 pixels; an odd last row or column is left out.
+/// Means of 2x2 pixels without an odd last row or column.
 BURIN_MACHINE_CLONES void halve_row(const float* a, const float* b, int width, float* out) {
   for (int x = 0; x < width; ++x) out[x] = 0.25F * (a[2 * x] + a[2 * x + 1] + b[2 * x] + b[2 * x + 1]);
 }
@@ -215,7 +216,7 @@ double GramTerm::add(const Image& picture, double weight, Image& gradient) {
     const Image& seen = s == 0 ? picture : scale.picture;
     Image& d_seen = s == 0 ? gradient : scale.gradient;
     if (s > 0) std::fill(d_seen.data.begin(), d_seen.data.end(), 0.0F);
-    // Tiles reach over their edges: every other row of tiles at a time, a row by one thread.
+    // Tiles overlap at their edges, so even and odd rows of tiles run in turn; one thread processes a row.
     for (const int parity : {0, 1}) {
       const int count = (static_cast<int>(scale.rows.size()) + 1 - parity) / 2;
       tbb::parallel_for(0, count, [&](int k) {

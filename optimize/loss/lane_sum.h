@@ -1,4 +1,4 @@
-// burin/optimize/loss/lane_sum.h - a float sum in packets: sixteen sums side by side, added up in one order on every
+// burin/optimize/loss/lane_sum.h - a float sum in SIMD vectors: sixteen partial sums, added in one order on every
 // machine.
 #pragma once
 

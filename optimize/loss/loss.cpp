@@ -15,11 +15,11 @@
 namespace burin {
 namespace {
 
-/// Rows are worked on in pieces whose column sums stay in the first cache.
+/// Pieces of a row whose column sums stay in the first cache.
 constexpr int kPiece = 512;
 
-/// out = g * in for one row of pixels, zeros outside; g = (1 2 1)/4 in both directions, its own adjoint. `row(k, x)`:
-/// the pixel x of the row above (k = 0), here (1), below (2).
+/// out = g * in for one row of pixels, zeros outside; g = (1 2 1)/4 in both directions is its own adjoint. `row(k, x)`
+/// is the pixel x of the row above (k = 0), here (1), below (2).
 template <typename Row, typename Use>
 BURIN_INLINED void blur_row(int width, const Row& row, const Use& use) {
   alignas(64) float column[kPiece + 2];
@@ -53,7 +53,7 @@ BURIN_INLINED float blurred_difference(const RowInput (&rows)[3], int width, flo
   return sum.total();
 }
 
-/// out = g * mask * (picture - target); returns its squares' sum.
+/// out = g * mask * (picture - target); returns the sum of its squares.
 BURIN_MACHINE_CLONES float blurred_difference_row(const RowInput (&rows)[3], int width, float* out) {
   return rows[1].mask != nullptr ? blurred_difference<true>(rows, width, out)
                                  : blurred_difference<false>(rows, width, out);
@@ -74,7 +74,7 @@ BURIN_INLINED float gradient(const RowInput& row, const float* const (&blurred)[
   return sum.total();
 }
 
-/// out = perceptual * g * blurred + l2 * difference; returns the differences' squares' sum if l2 is not 0.
+/// out = perceptual * g * blurred + l2 * difference; returns the sum of the squared differences if l2 is not 0.
 BURIN_MACHINE_CLONES float gradient_row(const RowInput& row, const float* const (&blurred)[3], int width,
                                         float perceptual, float l2, float* out) {
   return row.mask != nullptr ? gradient<true>(row, blurred, width, perceptual, l2, out)
@@ -87,7 +87,7 @@ struct PictureLoss::State {
   Image target, mask;
   LossWeights weights;
   Image blurred;             ///< g * difference
-  Image seen;                ///< with a mask: what the Gram term looks at
+  Image seen;                ///< with a mask: input of the Gram term
   std::vector<float> zeros;  ///< a row beyond the edge
   std::optional<GramTerm> gram;
 
@@ -164,7 +164,7 @@ LossValue PictureLoss::evaluate(const Image& picture, Image& dE_dpicture) {
 
   if (s.gram) {
     if (masked) {
-      // The Gram matrices see the target itself where the picture does not matter.
+      // The Gram matrices see the target itself in masked pixels.
       for (std::size_t i = 0; i < s.seen.data.size(); ++i)
         s.seen.data[i] = s.target.data[i] + s.mask.data[i] * (picture.data[i] - s.target.data[i]);
     }

@@ -28,7 +28,7 @@ double mean_square(const Image& a, const Image& b, const Image& mask) {
 }
 
 constexpr int kRadius = 5;                              // of SSIM's window
-constexpr double kC1 = 0.01 * 0.01, kC2 = 0.03 * 0.03;  // its constants, for white 1
+constexpr double kC1 = 0.01 * 0.01, kC2 = 0.03 * 0.03;  // its constants for white 1
 
 std::array<double, 2 * kRadius + 1> window() {
   std::array<double, 2 * kRadius + 1> g{};
@@ -38,7 +38,7 @@ std::array<double, 2 * kRadius + 1> window() {
   return g;
 }
 
-// Valid part of a separable 11 x 11 Gaussian of sigma 1.5.
+// Valid part of a separable 11 x 11 Gaussian filter of sigma 1.5.
 std::vector<double> window_means(const std::vector<double>& values, int width, int height) {
   const std::array<double, 2 * kRadius + 1> g = window();
   const int w = width - 2 * kRadius, h = height - 2 * kRadius;
