@@ -1,4 +1,4 @@
-// burin/optimize/design/carving_plot.h - what a board shows over the hours to carve it, as a picture.
+// burin/optimize/design/carving_plot.h - plot of a board's quality over its carving time.
 #pragma once
 
 #include <string>
@@ -8,7 +8,7 @@
 
 namespace burin {
 
-/// SVG: PSNR of every view (one name each) and of their mean over the hours. At least one point.
+/// SVG with the PSNR of every view (one name each) and of their mean over the hours. Needs at least one point.
 std::string carving_plot(const std::vector<CarvingPoint>& curve, const std::vector<std::string>& view_names);
 
 }  // namespace burin

@@ -1,7 +1,9 @@
-// burin/optimize/design/crossing_loss.h - what a search knows of grooves that cut each other's rims away
-// (Crossings::deepest). Strokes are searched whole, and rendered so: cut into pieces they take twenty times as long. So
-// how much of their light crossings leave is rendered now and then, place by place, and in between held; and a stroke
-// pays for what it takes from those that it crosses. docs/model.md 6.9, 6.10, docs/design.md.
+// burin/optimize/design/crossing_loss.h - loss of light at crossings in the search, for grooves that cut each other's
+// rims away (Crossings::deepest).
+//
+// Search and rendering use whole strokes, because cut pieces take twenty times as long. The light that crossings leave
+// is rendered now and then, place by place, and held in between. A stroke pays for the light that it takes from the
+// strokes that it crosses. docs/model.md 6.9, 6.10, docs/design.md.
 #pragma once
 
 #include <vector>
@@ -12,21 +14,22 @@
 
 namespace burin {
 
-/// What crossings leave, into the views' CrossingLoss. `views` must be as rendered with the grooves as they will be
-/// cut; `whole` are these as the search has them, and are rendered. `cover`: as CrossingLoss has it.
+/// Estimates the light that crossings leave, as CrossingLoss of each view. `views` must be rendered with the grooves as
+/// they will be cut. `whole` are the same grooves uncut; the function renders them. `cover` becomes
+/// CrossingLoss::cover.
 void see_crossings(std::vector<WorkView>& views, const std::vector<double>& log_exposure, const Carved& whole,
                    double cover);
 
-/// Nothing is lost any more: what is rendered is cut already.
+/// Resets the losses, for renderings of cut grooves.
 void forget_crossings(std::vector<WorkView>& views);
 
-/// A view's radiance, or the gradient by it, times what crossings leave.
+/// Multiplies a view's radiance, or the gradient by it, with the remaining share.
 inline void leave_what_crossings_do(const WorkView& view, Image& image) {
   for (std::size_t i = 0; i < view.crossings.kept.data.size(); ++i) image.data[i] *= view.crossings.kept.data[i];
 }
 
-/// By how much the squared errors of all views grow where a stroke crosses a pixel along one pixel's length, for the
-/// light that it takes from others there (views as rendered last); negative where they show too much. No pixels where
+/// Increase of the squared errors of all views if a stroke crosses a pixel along one pixel's length, for the light that
+/// it takes from others there (views as last rendered). It is negative at places that are too bright. No pixels if
 /// nothing is lost.
 Image crossing_cost(const std::vector<WorkView>& views, const std::vector<double>& log_exposure);
 

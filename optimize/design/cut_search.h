@@ -1,13 +1,14 @@
-// burin/optimize/design/cut_search.h - the search's step where grooves cut each other's rims away (Crossings::deepest).
+// burin/optimize/design/cut_search.h - the re-insertion search for grooves that cut each other's rims away
+// (Crossings::deepest).
 //
-// Seen from one place a groove glints along a line: where its wall has the lean that the half vector asks for. There
-// another groove takes its light where that one's surface is lower, which is a stretch of the line at each crossing
-// (docs/model.md 6.11). So what is left of every groove is known stroke by stroke, without rendering: those that the
-// search takes out give light back to those that they cut, those that it puts in take light from them, and what is
-// compared is the error of all views.
+// Seen from one place, a groove glints along one line: there its wall has the slope of the half vector. Another groove
+// takes this light if its surface is lower, on a stretch of the line at each crossing (docs/model.md 6.11). The
+// remaining pieces of every groove therefore follow stroke by stroke, without rendering. Removed strokes give light
+// back to the strokes that they cut, and inserted ones take light from them. The comparison uses the error of all
+// views.
 //
-// Candidates are those of stroke_tries.h, by what crossings leave on average. Frame: board, mm. Same seed, same bits,
-// for any number of threads.
+// Candidates come from stroke_tries.h, with the mean loss at crossings. Frame: board, mm. The same seed gives the same
+// bits for any number of threads.
 #pragma once
 
 #include <cstddef>
@@ -22,9 +23,9 @@
 
 namespace burin {
 
-/// One sweep over the first `movable` scratches, or a part of it once `stop` says so; each is meant for the field
-/// `view` has for it. The fields must show all scratches as they cut each other, with StrokeView::kept and cost, and
-/// follow the changes. Returns the scratches that were changed, ascending.
+/// Improves the first `movable` scratches in one sweep, or in part of one once `stop` returns true. Each scratch is
+/// made for the field in `view`. The fields must show all scratches as they cut each other, with StrokeView::kept and
+/// cost; the function updates them. Returns the changed scratches, ascending.
 std::vector<std::size_t> improve_cut(std::vector<StrokeField>& fields, const StrokeRules& rules, const Metal& metal,
                                      Scratches& scratches, const std::vector<std::size_t>& view, std::size_t movable,
                                      std::uint64_t seed, const std::function<bool()>& stop);

@@ -1,5 +1,5 @@
-// burin/optimize/design/deadline.h - when a design ends: at its one time limit, which counts from the design's first
-// line on, or when somebody wishes it to.
+// burin/optimize/design/deadline.h - end of a design: its time limit, counted from the design's start, or a stop by the
+// caller.
 #pragma once
 
 #include <algorithm>
@@ -17,19 +17,18 @@ class Deadline {
 
   double seconds() const { return std::chrono::duration<double>(Clock::now() - began_).count(); }
 
-  /// Whether somebody wished the work to end. May be asked by several threads at once; a wish holds.
+  /// Whether the caller has stopped the work. Several threads may call it at once. A stop is permanent.
   bool wished() {
     if (!wished_ && stop_ && stop_()) wished_ = true;
     return wished_.load();
   }
 
-  /// Whether this share of the time is used up once `ahead_s` more have passed.
+  /// Whether this share of the time will be over in `ahead_s` seconds.
   bool used(double share, double ahead_s = 0) const { return limit_s_ > 0 && seconds() + ahead_s > share * limit_s_; }
 
   bool wished_or_used(double share, double ahead_s = 0) { return wished() || used(share, ahead_s); }
 
-  /// The part of the time from `began_s` on that has passed, `ahead_s` being kept for what comes after; 0 without a
-  /// limit.
+  /// The elapsed part of the time from `began_s` on, with `ahead_s` reserved for later stages; 0 without a limit.
   double part_since(double began_s, double ahead_s) const {
     if (!(limit_s_ > 0)) return 0;
     const double there_is_s = limit_s_ - ahead_s - began_s;

@@ -1,5 +1,4 @@
-// burin/optimize/design/design_memory.h - whether there is memory for a design of the asked size: said before hours of
-// work, not after them.
+// burin/optimize/design/design_memory.h - memory of a design, checked before hours of work.
 #pragma once
 
 #include <cstddef>
@@ -9,15 +8,15 @@
 
 namespace burin {
 
-/// About how many bytes a design takes, pictures of all views together having so many pixels. Measured: docs/speed.md.
+/// Approximate memory of a design in bytes; `pixels` counts the pictures of all views. Measured: docs/speed.md.
 double design_bytes(double pixels, double scratches);
 
-/// Bytes that this process may still take: what the system, its control group and its own limit (ulimit -v) leave.
-/// Nothing where the system does not say.
+/// Bytes that this process may still take, by the limits of the system, its control group and the process (ulimit -v).
+/// Nothing if the system does not report them.
 std::optional<double> free_bytes();
 
-/// Throws Error where the design needs more than `free`: what it needs, and which size fits. `longer_px`: along the
-/// pictures' longer side.
+/// Throws Error, with the needed memory and a size that fits, if the design needs more than `free`. `longer_px`: along
+/// the pictures' longer side.
 void require_memory(double pixels, int longer_px, double scratches, std::optional<double> free);
 
 }  // namespace burin

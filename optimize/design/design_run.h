@@ -1,17 +1,17 @@
-// burin/optimize/design/design_run.h - one design from its first line to its last: the stages that design() goes
-// through, in their order, and what they hand on to one another. docs/model.md 6.
+// burin/optimize/design/design_run.h - one design from start to end: the stages of design(), their order and their
+// shared state. docs/model.md 6.
 //
-// Scratches are moved where they are wanted; in every look they are carried to the metal (carve), rendered there, and
-// the gradient is brought back (pull_back). So a design is made for all that the bench says of its machine: fields,
-// wear, crossings. Where the order of carving shows, the scratches are put into a short one before the last iterations,
-// and stay in it.
+// Scratches move at their desired positions. Every evaluation carves them (carve), renders the carved grooves, and
+// brings the gradient back (pull_back). A design therefore accounts for all properties of its machine in the bench:
+// fields, wear, crossings. If the carving order shows, the scratches get a short order before the last iterations and
+// keep it.
 //
-// Everything that a stage needs stands in this class; what a stage does in detail stands in the files that it calls
-// (design_views, design_start, relocate, weak_scratches, carving_budget, obey). One deadline counts for all stages.
+// This class holds the state of all stages. The files that it calls hold their details (design_views, design_start,
+// relocate, weak_scratches, carving_budget, obey). One deadline covers all stages.
 //
-// Steps and searches swing: an iterate may be worse than one before it. So each that is looked at as it will be carved
-// is judged, and the best is taken back in the end.
-// Frame: board, mm. Same seed, same bits, for any number of threads.
+// Steps and searches oscillate: an iterate may be worse than its predecessor. The run judges each iterate that is
+// evaluated as carved, and returns to the best one in the end. Frame: board, mm. The same seed gives the same bits for
+// any number of threads.
 #pragma once
 
 #include <cstddef>
@@ -45,29 +45,29 @@ class DesignRun {
   DesignRun(const DesignRun&) = delete;
   DesignRun& operator=(const DesignRun&) = delete;
 
-  /// All arguments must outlive it. Throws Error for options out of range.
+  /// All arguments must outlive this object. Throws Error for options out of range.
   DesignRun(const DesignSpec& spec, const Board& board, const Bench& bench, const DesignOptions& options,
             const Progress& progress);
 
-  /// All stages; to be called once.
+  /// Runs all stages; call it once.
   DesignResult run();
 
  private:
   // The stages.
-  void take_stock();         // what is gone on from, and what is in the metal already
-  void read_targets();       // views and their pictures; what cannot work is said here
-  void place();              // scratches to start from; with fewer, if so many could not be carved in time
-  void expose();             // brightnesses that suit the start
-  void improve_start();      // each scratch searched a better place
-  bool is_crowded();         // then the start is made anew, with fewer
-  bool looks_too_closely();  // then the start is made anew, on fewer pixels
-  void iterate();            // Adam, searches, and scratches that go (design_iterations.cpp)
-  void obey_all_rules();     // the last word: ends on steps, pairs apart
-  void measure();            // what each view will show
+  void take_stock();         // initial scratches, if given, and existing grooves
+  void read_targets();       // views and their pictures; reports pictures that cannot work
+  void place();              // initial scratches; fewer if so many could not be carved in time
+  void expose();             // exposures that match the start
+  void improve_start();      // a better place for each scratch
+  bool is_crowded();         // if true, the start is repeated with fewer
+  bool looks_too_closely();  // if true, the start is repeated on fewer pixels
+  void iterate();            // Adam, searches, and pruning (design_iterations.cpp)
+  void obey_all_rules();     // final projection: ends on steps, pairs apart
+  void measure();            // predicted pictures of all views
 
   // Parts of read_targets() and looks_too_closely().
   void lay_targets(std::vector<Finding>& found);
-  bool take_fewer_pixels();  // where pixels are the design's to choose
+  bool take_fewer_pixels();  // if the design may choose its pixels
   void look_at_the_carved();
   bool grooves_cut_each_other() const { return bench_.crossings == Crossings::deepest; }
   double cover_now() const;
@@ -76,10 +76,10 @@ class DesignRun {
   void choose_stroke_rules();
   void start_strokes();
   bool start_with_fewer();
-  bool start_with_less_to_cut();  // the same, where so many would be cut into too many pieces
+  bool start_with_less_to_cut();  // the same, if so many would be cut into too many pieces
   void join_carved();
 
-  // The new scratches in a short carving order, their histories with them, on benches where the order shows.
+  // Puts the new scratches, with their histories, in a short carving order, on benches whose carving order shows.
   void put_in_carving_order(bool thoroughly);
 
   // Parts of iterate().
@@ -95,7 +95,7 @@ class DesignRun {
   void forget_others();
   void record(bool last);
   void record_start();
-  // To those who watch.
+  // Calls of the observer.
   void show(int iteration, double loss, const std::vector<double>& view_loss, std::optional<double> psnr_db);
   void show_start();
   void move_ends();
@@ -144,8 +144,8 @@ class DesignRun {
   const DesignOptions& options_;
   const Progress& progress_;
   const Metal metal_{bench_, board_};
-  // While places are searched, grooves that cut each other's rims away are taken whole: their many pieces take twenty
-  // times as long. What they take from each other is seen now and then (crossing_loss).
+  // Searches use whole grooves if grooves cut each other's rims away, because their many pieces take twenty times as
+  // long. The light that they take from each other is rendered now and then (crossing_loss).
   const Bench search_bench_ = adding_rims(bench_), even_bench_ = without_fields(search_bench_);
   bool rims_count_ = !grooves_cut_each_other();
   Deadline deadline_;
@@ -153,15 +153,15 @@ class DesignRun {
   DesignResult result_;
 
   std::size_t findings_before_start_ = 0, too_many_to_cut_ = 0;
-  std::vector<ViewLimits> view_limits_;  // a picture
-  std::vector<WorkView> views_;          // first the spec's, in color three each; the rest stand aside of these
-  std::size_t shown_ = 0;                // pictures, each of a view of the spec
-  std::vector<Image> color_pictures_;    // what those who watch are shown last
-  std::vector<double> log_exposure_;     // one a group
+  std::vector<ViewLimits> view_limits_;  // one per picture
+  std::vector<WorkView> views_;          // first the spec's, three per view in color; then their off-axis viewpoints
+  std::size_t shown_ = 0;                // number of pictures in place, each of a view of the spec
+  std::vector<Image> color_pictures_;    // pictures of the latest DesignFrame
+  std::vector<double> log_exposure_;     // one per group
   StrokeRules rules_;
   double mean_length_mm_ = 0;
 
-  // The new ones come first, `movable_` of them; then those that are carved already, which never change.
+  // The new scratches come first, `movable_` of them. Existing grooves follow; they never change.
   Scratches from_, carved_;
   Designed designed_;
   Scratches& scratches_ = designed_.scratches;
@@ -170,7 +170,7 @@ class DesignRun {
   LyingGrooves in_the_metal() const { return in_the_metal(rims_count_); }
   LyingGrooves in_the_metal(bool cut) const;
 
-  // What iterate() carries from step to step.
+  // State of iterate().
   struct Momenta {
     Adam x0, y0, x1, y1, exposure, shared;
     template <typename Do>
@@ -179,36 +179,36 @@ class DesignRun {
     }
   };
   std::vector<double> log_shared_;  // width, depth, alpha
-  // What a look at the grooves as they will be carved came to. `merit`: more is better.
+  // Result of an evaluation as carved. `merit`: higher is better.
   struct Iterate {
     Scratches scratches;
     std::vector<double> log_exposure, log_shared;
     std::size_t movable = 0, dropped = 0;
     double loss_before_drop = 0, merit = 0;
-    bool exactly = true;  // nothing of it was held (bright_part.h), at the exposures that show it best
+    bool exactly = true;  // nothing was held (bright_part.h), at the best exposures
   };
   Iterate as_looked_at(bool exactly) const;
   void go_back_to(const Iterate& iterate);
   std::optional<Iterate> best_;
-  double merit_ = 0;                         // of the last look
-  std::optional<double> looked_db_;          // mean of the views, of this iteration's look as carved
-  std::optional<DesignIteration> cut_look_;  // of this iteration, while grooves are searched whole
+  double merit_ = 0;                         // of the last evaluation
+  std::optional<double> looked_db_;          // mean of the views, of this iteration's evaluation as carved
+  std::optional<DesignIteration> cut_look_;  // of this iteration, if grooves are searched whole
   Momenta momenta_{Adam(0), Adam(0), Adam(0), Adam(0), Adam(0), Adam(0)};
-  Image dE_dpicture_, dE_dradiance_;        // of the view that is looked at
+  Image dE_dpicture_, dE_dradiance_;        // of the view under evaluation
   ScratchGradients gradients_, by_carved_;  // by the designed rows, and by the grooves in the metal
   std::vector<double> d_log_exposure_;
-  std::vector<BrightPart> bright_;  // one a view
+  std::vector<BrightPart> bright_;  // one per view
   std::vector<int> contact_;        // iterations kept for the contact sheet
   int pixels_ = 0;                  // along the carve area's longer side
   int iteration_ = 0, drop_at_ = 0;
   double first_rate_ = 0, last_rate_ = 0;
-  double full_carving_s_ = 0;  // what it would take to carve all that the iterations began with
+  double full_carving_s_ = 0;  // carving time of all scratches at the start of the iterations
   double iterations_began_s_ = 0;
-  double look_s_ = 0;     // what it took when all grooves were last looked at as they will be carved
+  double look_s_ = 0;     // duration of the last evaluation of all grooves as carved
   double time_part_ = 0;  // of the iterations, by the time limit: 0 without one
-  double part_ = 0;       // of the iterations, by their number or the time limit, if that is more
+  double part_ = 0;       // of the iterations: the larger of the parts by number and by time limit
   bool weak_dropped_ = false;
-  bool in_last_order_ = false;  // nothing is searched any more that would leave the carving order
+  bool in_last_order_ = false;  // no further search may leave the carving order
 };
 
 }  // namespace burin

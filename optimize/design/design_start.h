@@ -1,5 +1,4 @@
-// burin/optimize/design/design_start.h - the rules that a design's scratches keep, and scratches to start from.
-// Frame: board, mm.
+// burin/optimize/design/design_start.h - the limits of a design's scratches, and initial scratches. Frame: board, mm.
 #pragma once
 
 #include <cstddef>
@@ -15,24 +14,24 @@
 
 namespace burin {
 
-/// Throws Error naming the first option that is out of range, and for a carve area too small to carve in.
+/// Throws Error naming the first option out of range, and for a carve area too small for scratches.
 void check_options(const DesignOptions& options, const Board& board);
 
-/// The rules of the machine and of the design together. Throws Error if they leave no length.
+/// The limits of machine and design together. Throws Error if they leave no length.
 CarvingLimits design_limits(const Board& board, const Bench& bench, const DesignOptions& options);
 
-/// Those of the search: how long strokes are whose mean length would be this.
+/// The rules of the search: lengths of strokes for this mean length.
 StrokeRules stroke_rules(const CarvingLimits& limits, double mean_length_mm, const Bench& bench, const Board& board,
                          int candidates);
 
-/// Scratches with these ends.
+/// Scratches from the ends of strokes.
 Scratches scratches_of(const std::vector<Stroke>& strokes);
 
-/// Anywhere in the carve area, in any direction.
+/// Random positions in the carve area, in random directions.
 Scratches random_start(std::size_t count, const CarvingLimits& limits, double mean_length_mm, std::uint64_t seed);
 
-/// Moves every scratch to where it may be carved; one that is hopeless where it lies starts somewhere else. Throws
-/// Error if there is no room.
+/// Projects every scratch to its limits; a scratch that cannot be projected restarts at a random place. Throws Error if
+/// there is no room.
 void settle(Scratches& scratches, const CarvingLimits& limits, double mean_length_mm, std::uint64_t seed);
 
 }  // namespace burin

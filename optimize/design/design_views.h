@@ -1,13 +1,13 @@
-// burin/optimize/design/design_views.h - the views of a design while it is worked on: scenes, targets, pictures,
+// burin/optimize/design/design_views.h - the views of a design during optimization: scenes, targets, pictures,
 // exposures.
 //
-// With a tolerance, each view of the spec is seen from two further places as well: eye and lamp moved along the
-// direction in which the view's scratches run, to one side and to the other, tolerance / sqrt(2) each. That is the
-// direction in which a scratch turned from its best direction gains or loses light; sideways moves of eye and lamp add
-// up in the half vector, and two independent ones of the same size move it by as much as both together moved sqrt(2)
-// times less. Errors seen from the three places count a third each.
+// With a tolerance, each view of the spec has two off-axis viewpoints. Eye and lamp move along the direction of the
+// view's scratches, to one side and to the other, by tolerance / sqrt(2) each. Along this direction a scratch turned
+// from its best direction gains or loses light. Sideways moves of eye and lamp add up in the half vector. Two
+// independent moves of one size move it as much as both together moved sqrt(2) times less. Errors of the three
+// positions count a third each.
 //
-// A view in color is three here, one a channel (color_views.h), in a row.
+// A view in color is three consecutive WorkViews, one per channel (color_views.h).
 #pragma once
 
 #include <array>
@@ -31,25 +31,25 @@
 
 namespace burin {
 
-/// What a scratch shows where it is not meant for: a picture of a design, and which of its lights it shows.
+/// Crosstalk of a scratch: another picture of the design in which it shows, and the lamp of that picture.
 struct WorkGhost {
-  std::size_t view = 0, lamp = 0;  ///< of the WorkViews, and of its lamps
+  std::size_t view = 0, lamp = 0;  ///< index of the WorkView, and of its lamp
 };
 
-/// A light that scratches are made for, as one view (or channel) sees it.
+/// A light for which scratches are made, as one view (or channel) sees it.
 struct WorkLamp {
   std::size_t light = 0;  ///< of lights_served()
   GlintView glint;
-  Image unit{};       ///< measure_units() of that light's own share; no pixels: all dark
-  bool leads = true;  ///< of the views that see it the one that it brings most, eye and lamp in their places
+  Image unit{};                     ///< measure_units() of this light's own share; no pixels: all dark
+  bool leads = true;                ///< this view gets most light of all views under the lamp, off-axis ones excluded
   std::vector<WorkGhost> ghosts{};  ///< find_ghosts()
-  bool outshone = false;            ///< there, a ghost stands for it
+  bool outshone = false;            ///< dark in this channel: a ghost replaces it
 };
 
-/// What crossings take from a view's grooves (crossing_loss.h).
+/// Light that crossings take from a view's grooves (crossing_loss.h).
 struct CrossingLoss {
-  Image kept{};      ///< the share of light that they leave; no pixels: all of it
-  double cover = 0;  ///< of a pixel, by a groove that crosses it along one pixel's length
+  Image kept{};      ///< share of light that remains; no pixels: all of it
+  double cover = 0;  ///< covered part of a pixel, by a groove that crosses it along one pixel's length
 };
 
 struct WorkView {
@@ -59,104 +59,108 @@ struct WorkView {
   double rotation_deg = 0;
   int exposure_group = 0;
   double pitch_mm = 0;            ///< of the pixels
-  std::size_t of = 0;             ///< the view of the spec that this is, or that it stands a little aside of
+  std::size_t of = 0;             ///< index in the spec of this view, or of the view whose off-axis viewpoint it is
   double share = 1;               ///< of the view's errors
-  int channel = 0, channels = 1;  ///< which of how many pictures the view of the spec is
+  int channel = 0, channels = 1;  ///< channel, and number of channels of the spec's view
   bool aside = false;
-  int exposed_by = 0;  ///< the channel whose brightness it is shown with, where each has its own (White::Kind::each)
+  int exposed_by = 0;  ///< channel whose exposure it uses, if each has its own (White::Kind::each)
   ViewRenderer renderer;
   PictureLoss loss;
   Image radiance{}, picture{};
   LossValue value{};
-  double balance = 1;        ///< of its errors where views compete for scratches (balance_views)
-  Image face{};              ///< radiance of the face without scratches
-  double contrast = 0;       ///< of its light by a scratch's direction (DirectionLight); 0: not measured, one lamp
-  CrossingLoss crossings{};  ///< nothing where grooves are rendered as they are cut
-  /// Whether grooves that cut each other are seen as the lines along which they glint (glint_lines.h).
+  double balance = 1;   ///< factor of its errors if views compete for scratches (balance_views)
+  Image face{};         ///< radiance of the face without scratches
+  double contrast = 0;  ///< ratio of its light over a scratch's directions (DirectionLight); 0: not measured, one lamp
+  CrossingLoss crossings{};  ///< empty if grooves are rendered as they are cut
+  /// Whether grooves that cut each other are reduced to the lines along which they glint (glint_lines.h).
   bool sees_lines = false;
-  Image wanted{};                  ///< the picture as asked for, where `target` is lifted (lift_blacks); else no pixels
-  Image mixable{};                 ///< the target as near as the view's lights can mix its colors; no pixels: as it is
-  Eigen::Vector3d gains{1, 1, 1};  ///< white_gains(); the channel's stands in the light of its scene
+  Image wanted{};                  ///< the original picture if `target` is lifted (lift_blacks); else no pixels
+  Image mixable{};                 ///< the closest target that the view's lights can mix; no pixels: the target itself
+  Eigen::Vector3d gains{1, 1, 1};  ///< white_gains(); the light of this scene contains the channel's gain
 };
 
-/// The pictures of each of the spec's views, eye and lamp in their places: one, or three in color.
+/// The pictures of each of the spec's views, without off-axis viewpoints: one, or three in color.
 std::vector<std::span<WorkView>> shown_channels(std::vector<WorkView>& views);
 
-/// The pixels of the carve area that all views of a design look at: `pixels` along its longer side.
+/// The pixels of the carve area for all views of a design: `pixels` along its longer side.
 std::shared_ptr<const FootprintGrid> design_grid(const Board& board, const Bench& bench, int pixels);
 
-/// The scene of a view of the spec on those pixels, its eye and lamps moved, under a part of its light.
+/// The scene of a view of the spec on these pixels, with eye and lamps moved, under a part of its light.
 ViewScene design_scene(const DesignSpec& spec, std::size_t index, const Board& board, const Bench& bench,
                        std::shared_ptr<const FootprintGrid> grid, const Eigen::Vector3d& eye_moved_mm,
                        const Eigen::Vector3d& lamp_moved_mm, const LightPart& part = {});
 
-/// The spec's views in its order, then those that stand aside, with face and unit measured. Throws Error for what the
-/// bench does not have, pictures that cannot be used and views in which nothing can glint. On `pixels` along the carve
-/// area's longer side.
+/// The spec's views in its order, then their off-axis viewpoints, with face and unit light measured. `pixels` count
+/// along the carve area's longer side. Throws Error for missing entries of the bench, unusable pictures, and views in
+/// which nothing can glint.
 std::vector<WorkView> prepare_views(const DesignSpec& spec, const Board& board, const Bench& bench,
                                     const DesignOptions& options, int pixels, const CarvingLimits& limits,
                                     std::vector<Finding>& findings);
 
-/// The same views to be looked at alone, on other pixels, eyes and lamps in their places. Faces and units are not
+/// The same views for evaluation only, on other pixels, without off-axis viewpoints. Faces and unit lights are not
 /// measured. Throws Error as above.
 std::vector<WorkView> views_to_look_at(const DesignSpec& spec, const Board& board, const Bench& bench,
                                        const DesignOptions& options, int pixels, const CarvingLimits& limits);
 
-/// In designs with a view in color: where else a scratch for a light that leads shows, one of the best direction more
-/// than a hundredth of the light there, the most two. What it does there counts in the search, so that of its two sides
-/// it turns to the one where it harms less. In another channel of its own view it shows its own light's share or, where
-/// that is more, what it throws of another light: lamps are never quite pure, and a little of their own light must not
-/// hide much of their neighbors'. Not with a tolerance, where scratches are turned to both sides.
+/// Finds crosstalk in designs with a view in color: the two pictures at most in which a scratch for a leading light
+/// shows best, if one of the best direction has more than a hundredth of its light there. The search counts its effect
+/// there, so it turns the scratch to the side with less harm.
+///
+/// In another channel of its own view, a scratch shows its own light's share or its crosstalk of another light,
+/// whichever is larger. Lamps are never pure, and a little of their own light must not hide much of their neighbors'. A
+/// tolerance disables this, because it turns scratches to both sides.
 void find_ghosts(std::vector<WorkView>& views, double alpha, const Eigen::Vector2d& middle_mm);
 
-/// What the search sees at these exposures: the face alone, or all that was rendered last. One for each light served of
-/// each view of the spec, in gray in the spec's order. Without ghosts each has pictures of its own view alone.
+/// Input of the search at these exposures: the face alone, or the last rendered pictures. It has one entry per light
+/// served of each view of the spec, for gray views in the spec's order. Without ghosts, each entry has pictures of its
+/// own view only.
 enum class Ghosts { count, leave_out };
 std::vector<StrokeView> stroke_views(const std::vector<WorkView>& views, const std::vector<double>& log_exposure,
                                      bool from_face, Ghosts ghosts = Ghosts::count);
 
-/// The view of the spec that each of them is.
+/// Index of the spec's view for each of them.
 std::vector<std::size_t> views_served(const std::vector<WorkView>& views);
 
-/// The one brightness a group with which its views, as rendered last, come closest to their targets (their mean).
+/// The exposure of each group whose pictures, as last rendered, are closest to their targets (mean over the group's
+/// views).
 std::vector<double> fitting_exposures(const std::vector<WorkView>& views, const std::vector<double>& log_exposure);
 
-/// Logarithms of the exposures, a group, with which a scratch of the best direction brings `start_light` of white to a
-/// pixel that it crosses along one pixel's length (geometric mean over the group's views).
+/// Logarithms of the exposures, one per group. A scratch of the best direction brings `start_light` of white to a pixel
+/// that it crosses along one pixel's length (geometric mean over the group's views).
 std::vector<double> starting_exposures(const std::vector<WorkView>& views, std::size_t groups, double start_light);
 
-/// As fitting_exposures() for one view's pictures, starting from `guess`.
+/// fitting_exposures() for one view's pictures, starting from `guess`.
 double fitting_exposure(std::span<const WorkView> channels, double guess);
 
-/// The picture by which a view is judged.
+/// The picture that judges a view.
 const Image& asked_for(const WorkView& view);
 
-/// What a view shows, and is to show, as one picture, in gray or in color: as optimized; at these exposures, one a
-/// channel, clipped at white; its target.
+/// A view as one picture, in gray or in color: as optimized; at these exposures, one per channel, clipped at white; and
+/// its target.
 Image picture_of(std::span<const WorkView> channels);
 Image shown_of(std::span<const WorkView> channels, std::span<const double> exposures);
 Image target_of(std::span<const WorkView> channels);
 
-/// The exposures of a view's channels with which they come closest to what was asked for, as rendered last: one for
-/// all, or one each (White::Kind::each).
+/// The exposures of a view's channels that come closest to the original picture, as last rendered: one for all, or one
+/// each (White::Kind::each).
 std::vector<double> best_exposures(std::span<const WorkView> channels, const std::vector<double>& log_exposure);
 
-/// Sets every view's balance for the search: (its weighted squared error, as rendered last, over the views' geometric
-/// mean) ^ exponent, at most 8 and at least 1/8. So scratches go where the sum of errors ^ (1 + exponent) falls most:
-/// 0 serves the mean of all views, much more than 1 the worst of them.
+/// Sets every view's balance for the search: (its weighted squared error, as last rendered, over the views' geometric
+/// mean) ^ exponent, at most 8 and at least 1/8. Scratches then go to the place at which the sum of errors ^ (1 +
+/// exponent) falls most. 0 serves the mean of all views; much more than 1 serves the worst of them.
 void balance_views(std::vector<WorkView>& views, const std::vector<double>& log_exposure, double exponent);
 
-/// Scratches as they will lie in the metal, for these views to look at.
+/// Carved grooves of these scratches, prepared for these views.
 LyingGrooves grooves_in(const Scratches& designed, const Metal& metal, const std::vector<WorkView>& views);
 
-/// What of the grooves a view sees; of these rows alone, where `rows` are given.
+/// The grooves as a view sees them; only these rows, if `rows` are given.
 Carved seen_by(const WorkView& view, const LyingGrooves& grooves);
 Carved seen_by(const WorkView& view, const LyingGrooves& grooves, std::span<const std::size_t> rows);
 
 /// Fills every view's radiance.
 void render_all(std::vector<WorkView>& views, const LyingGrooves& grooves);
 
-/// Means of a gamma-encoded picture's light, and of an image.
+/// Mean light of a gamma-encoded picture, and mean value of an image.
 double mean_light(const Image& encoded);
 double mean_value(const Image& image);
 

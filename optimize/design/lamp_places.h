@@ -1,9 +1,9 @@
-// burin/optimize/design/lamp_places.h - where lamps of different colors stand best: by the angles between the half
+// burin/optimize/design/lamp_places.h - best positions of lamps of different colors, by the angles between the half
 // vectors of all views under all their lights. docs/model.md 3.4, docs/light.md. Frame: board, mm; angles in radians.
 //
-// A scratch serves the view and the lamp whose half vector it runs across, and shows part of its light (lobe(), counted
-// modulo 180 degrees) wherever another half vector's shadow lies near. N views under M lamps want N M directions, at
-// best 180 / (N M) degrees apart, with half vectors that lean as far as the grooves reach.
+// A scratch serves the view and the lamp whose half vector it crosses at a right angle. It shows part of its light
+// (lobe(), modulo 180 degrees) for every other half vector with a nearby projection. N views under M lamps need N M
+// directions, at best 180 / (N M) degrees apart, with half vectors that tilt up to the grooves' cutoff angle.
 #pragma once
 
 #include <Eigen/Core>
@@ -19,51 +19,51 @@
 
 namespace burin {
 
-/// A view under one of its lights; lights of the same name are one lamp, which moves for all that it serves, or stays
-/// where one of them may not move.
+/// A view under one of its lights. Lights of the same name are one lamp: it moves for all its views, or stays if one of
+/// them may not move.
 struct ServedGlint {
   GlintView glint;
   std::string light;
-  bool may_move = true;  ///< the light is a lamp that may be put elsewhere
+  bool may_move = true;  ///< the light is a lamp whose position may change
 };
 
-/// How well lamps stand.
+/// Quality of the lamps' positions.
 struct LampAngles {
-  double least_apart = 0;    ///< between the scratches of any two, pi / 2 where there is only one
-  double worst_ghost = 0;    ///< part of its light that a scratch made for one shows in another
-  std::size_t a = 0, b = 0;  ///< whose that is
+  double least_apart = 0;    ///< smallest angle between the scratches of any two, pi / 2 if there is only one
+  double worst_ghost = 0;    ///< largest crosstalk: part of its light that a scratch made for one shows in another
+  std::size_t a = 0, b = 0;  ///< the pair of worst_ghost
 };
-/// At a place of the board, counting the pairs of which a lamp may move.
+/// The angles at a point of the board, over the pairs with a movable lamp.
 LampAngles angles_of(const std::vector<ServedGlint>& served, const Eigen::Vector2d& p_mm, double alpha);
 
-/// A lamp where it would stand better, at the same distance from the place asked for.
+/// A better position of a lamp, at the same distance from the middle of the question.
 struct LampPlace {
   std::string light;
   Eigen::Vector3d position_mm{0, 0, 0};  ///< whole mm
 };
 
-/// The area that is carved, and the grooves in it.
+/// The carve area, and its grooves.
 struct LampQuestion {
   Eigen::Vector2d min_mm{0, 0}, max_mm{1, 1};
   double alpha = 0.04;
-  double steepest = 0.5;  ///< of the grooves' walls
+  double steepest = 0.5;  ///< cutoff angle of the grooves' walls
   Eigen::Vector2d middle_mm() const { return (min_mm + max_mm) / 2; }
 };
 
-/// Places for the lamps that may move with which scratches share least in the middle, eyes and other lamps as they are:
-/// half vectors lean less than the steepest wall all over the area (and more than what counts as near the mirror
-/// direction in its middle), lamps stand at least 15 degrees above the face, and better where nobody's head is.
-/// Searched lamp by lamp over a lattice of directions, from several beginnings (fewer for many); same question, same
-/// answer. Empty where there are no such places, or more than 40 half vectors.
+/// Positions of the movable lamps with the least sharing of scratches in the middle; eyes and other lamps stay. Half
+/// vectors tilt less than the steepest wall all over the area, and stay away from the mirror direction in its middle.
+/// Lamps are at least 15 degrees above the face, preferably clear of heads. The search goes lamp by lamp over a lattice
+/// of directions, from several starts (fewer for many lamps). The same question gives the same answer. Empty if there
+/// are no such positions, or more than 40 half vectors.
 std::vector<LampPlace> better_lamps(const std::vector<ServedGlint>& served, const LampQuestion& question);
 
-/// What the angles are, as a note; with a warning, and better places if there are any, where scratches share more than
-/// a tenth of their light (kGhost). Nothing where no lamp may move.
+/// Reports the angles as a note. If scratches share more than a tenth of their light (kGhost), it warns and adds better
+/// positions, if any. Nothing if no lamp may move.
 std::vector<Finding> check_lamps(const std::vector<ServedGlint>& served, const LampQuestion& question);
 
-/// The same for a design on a bench: its views in color under each of their lamps, and its other views. Lamps of views
-/// in color may move, but not those that shine on a view in gray together with others. Throws Error for what the bench
-/// lacks.
+/// check_lamps() for a design on a bench: its views in color under each of their lamps, and its other views. Lamps of
+/// views in color may move, unless they shine on a gray view together with others. Throws Error for missing entries of
+/// the bench.
 std::vector<Finding> lamps_in_color(const DesignSpec& spec, const Board& board, const Bench& bench);
 
 }  // namespace burin

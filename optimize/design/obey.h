@@ -1,10 +1,10 @@
-// burin/optimize/design/obey.h - a design's scratches brought under all rules of
-// burin/optimize/toolpath/carving_limits.h at the least loss.
+// burin/optimize/design/obey.h - final repair of a design: all rules of burin/optimize/toolpath/carving_limits.h at the
+// least loss.
 //
-// Rules of pairs (distance, overlap, grooves over one place) are what a design knows nothing of while it searches:
-// whether a scratch obeys them depends on all others. So scratches are mended - a hair aside, a little shorter - the
-// worthiest first, and those for which that does not help are placed anew where the pictures miss light and the rules
-// let them lie. Only what finds no place in several rounds is dropped.
+// The search does not handle rules of pairs (distance, overlap, grooves over one place): a scratch's validity depends
+// on all others. The repair moves or shortens scratches slightly, those of most marginal contribution first. Scratches
+// that remain invalid are re-inserted at permitted places that lack light. Only scratches without a place after several
+// rounds are dropped.
 #pragma once
 
 #include <array>
@@ -23,13 +23,14 @@ namespace burin {
 
 struct Obeying {
   Scratches scratches;                        ///< within all rules
-  std::vector<std::size_t> rows;              ///< of the scratches given, for each of these, ascending
-  std::vector<std::size_t> placed;            ///< those of the rows that lie in a place of their own now
+  std::vector<std::size_t> rows;              ///< index among the given scratches, for each of these, ascending
+  std::vector<std::size_t> placed;            ///< rows that were re-inserted
   std::array<std::size_t, kRules> dropped{};  ///< by the first rule that they broke
 };
 
-/// `views` must be as rendered with these scratches; they are rendered anew if something is placed. What is in the
-/// metal already stays. Same seed, same bits. Once `stop` says so (as in stroke_search.h) nothing more is placed.
+/// Repairs `scratches`. `views` must be rendered with them; they are rendered again after a re-insertion. Existing
+/// grooves stay. The same seed gives the same bits. Once `stop` (as in stroke_search.h) returns true, nothing more is
+/// re-inserted.
 Obeying obey(const Scratches& scratches, const CarvingLimits& limits, std::vector<WorkView>& views,
              const std::vector<double>& log_exposure, const StrokeRules& rules, const Metal& metal, std::uint64_t seed,
              const std::function<bool()>& stop = {});

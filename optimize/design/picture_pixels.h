@@ -1,9 +1,9 @@
-// burin/optimize/design/picture_pixels.h - how finely a design looks at its pictures: no finer than its strokes can
-// fill. docs/design.md, 'How many pixels'.
+// burin/optimize/design/picture_pixels.h - number of a design's pixels: no more than its strokes can fill.
+// docs/design.md, 'How many pixels'.
 //
-// A stroke that has to fill many pixels is drawn long, through details that it cannot show; where grooves cut each
-// other's rims away, long strokes leave each other little light (crowding). In larger pixels the same strokes are
-// hatching, and right for all eyes that do not see these apart.
+// A stroke for many pixels becomes long and crosses details that it cannot show. If grooves cut each other's rims away,
+// long strokes also leave each other little light (crowding). In larger pixels the same strokes are hatching, which is
+// right for every eye that does not resolve them.
 #pragma once
 
 #include <Eigen/Core>
@@ -17,25 +17,25 @@
 
 namespace burin {
 
-/// Along the longer side of the carve area, where strokes can fill them.
+/// Pixels along the longer side of the carve area, if strokes can fill them.
 inline constexpr int kUsualPixels = 512;
 
-/// Along the longer side, the pixels that an eye so far away just tells apart: no more than kUsualPixels. How good a
-/// design is counts in these, so that designs of any pixels can be compared.
+/// Pixels along the longer side that an eye at this distance just resolves, at most kUsualPixels. The figure of merit
+/// of a design uses them, so designs of any pixels are comparable.
 int pixels_of_eyes(const Eigen::Vector2d& area_mm, double distance_mm);
 
-/// Of all pictures, those that each of so many strokes has to fill.
+/// Pixels of all pictures per stroke.
 double pixels_a_stroke(const std::vector<WorkView>& views, std::size_t strokes);
 
-/// Fewer pixels along the longer side, where `a_stroke` are too many of `pixels`, or the strokes that fill them `crowd`
-/// the board: no fewer than three quarters of them at once, since shorter strokes may be more. None where they suit, or
-/// fewer would show no picture.
+/// A smaller number of pixels along the longer side, if `a_stroke` is too large at `pixels` or if the strokes that fill
+/// them `crowd` the board. It is at least three quarters of `pixels` at once, because shorter strokes may be more. None
+/// if the pixels suit, or if fewer would show no picture.
 std::optional<int> fewer_pixels(int pixels, double a_stroke, bool crowd);
 
-/// What a person should know of pictures whose `pixels` a design chose for so many strokes.
+/// The finding about pictures whose `pixels` the design chose for this number of strokes.
 Finding pixels_were_chosen(const std::vector<WorkView>& views, std::size_t strokes, Crossings crossings);
 
-/// The same where a person asked for pixels that these strokes cannot fill; none where they can.
+/// The finding about requested pixels that these strokes cannot fill; none if they can.
 std::optional<Finding> pixels_are_many(const std::vector<WorkView>& views, std::size_t strokes, Crossings crossings);
 
 }  // namespace burin

@@ -1,5 +1,5 @@
-// burin/optimize/design/random.h - random numbers that are the same on every platform (those of <random>'s
-// distributions are not).
+// burin/optimize/design/random.h - random numbers with the same values on every platform, unlike <random>'s
+// distributions.
 #pragma once
 
 #include <cstdint>
@@ -9,13 +9,13 @@
 
 namespace burin {
 
-/// 64 random bits at a time from any seed, at no cost to begin with: SplitMix (Steele, Lea, Flood, OOPSLA 2014). A
-/// uniform random bit generator of <random>.
+/// 64 random bits per call, from any seed, without initialization cost: SplitMix (Steele, Lea, Flood, OOPSLA 2014). It
+/// is a uniform random bit generator of <random>.
 class SplitMix64 {
  public:
   using result_type = std::uint64_t;
   explicit SplitMix64(std::uint64_t seed) : state_(seed) {}
-  /// The least and the greatest that it gives.
+  /// The range of its values.
   static constexpr result_type min() { return 0; }
   static constexpr result_type max() { return std::numeric_limits<result_type>::max(); }
   /// The next 64 bits.
@@ -25,7 +25,7 @@ class SplitMix64 {
   std::uint64_t state_;
 };
 
-/// Uniform in [0, 1), from 64 random bits at a time.
+/// Uniform in [0, 1), from 64 random bits.
 template <typename Random>
 double uniform(Random& random) {
   return static_cast<double>(random() >> 11) * 0x1p-53;

@@ -1,4 +1,4 @@
-// burin/optimize/design/relocate.h - scratches that leave where they are worth least for where the pictures miss most.
+// burin/optimize/design/relocate.h - re-insertion of the scratches of least marginal contribution.
 #pragma once
 
 #include <cstddef>
@@ -13,16 +13,16 @@
 
 namespace burin {
 
-/// Moves the scratches whose absence costs least (at most this share of the first `movable`) to where the pictures of
-/// all views miss most, as far as that pays, then searches a better place for each, until `stop` says so. The views
-/// must be as rendered. Returns the moved ones, ascending. Same seed, same bits.
+/// Moves the scratches of least marginal contribution (at most this share of the first `movable`) to the places of all
+/// views that lack most light, if this pays. Then it searches a better place for each scratch, until `stop` returns
+/// true. The views must be rendered. Returns the moved scratches, ascending. The same seed gives the same bits.
 std::vector<std::size_t> relocate(Scratches& scratches, const std::vector<WorkView>& views,
                                   const std::vector<double>& log_exposure, const CarvingLimits& limits,
                                   const StrokeRules& rules, std::size_t movable, double share, std::uint64_t seed,
                                   const std::function<bool()>& stop);
 
-/// Searches a better place for each as they cut each other (improve_cut()). The views must be as rendered so, with what
-/// crossings leave on average (see_crossings()).
+/// Searches a better place for each scratch with its cuts (improve_cut()). The views must be rendered with cut grooves,
+/// and have the mean loss at crossings (see_crossings()).
 std::vector<std::size_t> relocate_cut(Scratches& scratches, const std::vector<WorkView>& views,
                                       const std::vector<double>& log_exposure, const CarvingLimits& limits,
                                       const StrokeRules& rules, const Metal& metal, std::size_t movable,

@@ -1,9 +1,9 @@
-// burin/optimize/design/shown_light.h - what a pixel shows of its light, light^(1/2.2) clipped at white, fast enough to
-// be asked a hundred million times a second.
+// burin/optimize/design/shown_light.h - shown value of a pixel's light, light^(1/2.2) clipped at white, fast enough for
+// a hundred million calls a second.
 //
-// light = 2^e (1 + z): log2(1 + z) = z + z (1 - z) kLog2(z), 2^f = 1 + f + f (1 - f) kExp2(f), polynomials through
-// Chebyshev's nodes. Together right to 4e-5 of the value. The kernels (stroke_kernel_impl.h) follow the same steps in
-// packets, and without fused multiply-adds they come to the same bits.
+// With light = 2^e (1 + z): log2(1 + z) = z + z (1 - z) kLog2(z), 2^f = 1 + f + f (1 - f) kExp2(f), with polynomials
+// through Chebyshev's nodes. The relative error of the result is at most 4e-5. The kernels (stroke_kernel_impl.h) take
+// the same steps in SIMD vectors without fused multiply-adds, and give the same bits.
 #pragma once
 
 #include <algorithm>
@@ -16,12 +16,12 @@ namespace burin {
 inline constexpr std::array<float, 4> kLog2{0.442418579F, -0.269578015F, 0.150533197F, -0.0448739553F};
 inline constexpr std::array<float, 3> kExp2{-0.306908787F, -0.0656250952F, -0.0136976637F};
 
-/// Less light counts as this: it shows as 8e-5 of white.
+/// Smallest light: less counts as this, which shows as 8e-5 of white.
 inline constexpr float kLeastLight = 0x1p-30F;
-/// The exponent that shows light.
+/// Exponent from light to shown value.
 inline constexpr float kShownPower = 1 / 2.2F;
 
-/// log2 of a positive, normal number, right to 5e-5.
+/// log2 of a positive, normal number; the error is at most 5e-5.
 inline float fast_log2(float x) {
   const auto bits = std::bit_cast<std::uint32_t>(x);
   const auto e = static_cast<float>(static_cast<std::int32_t>(bits >> 23) - 127);
@@ -30,7 +30,7 @@ inline float fast_log2(float x) {
   return e + (z + z * (1 - z) * p);
 }
 
-/// 2^x for -126 <= x <= 126, right to 1.3e-5 of the value.
+/// 2^x for -126 <= x <= 126; the relative error is at most 1.3e-5.
 inline float fast_exp2(float x) {
   const auto whole = static_cast<std::int32_t>(x) - (x < static_cast<float>(static_cast<std::int32_t>(x)) ? 1 : 0);
   const float f = x - static_cast<float>(whole);

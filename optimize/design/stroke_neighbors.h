@@ -1,4 +1,4 @@
-// burin/optimize/design/stroke_neighbors.h - which strokes of a tile end near a place. Frame: pixels.
+// burin/optimize/design/stroke_neighbors.h - strokes of a tile with an end near a point. Frame: pixels.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,13 +12,13 @@
 
 namespace burin {
 
-/// Ends of strokes by cells of a grid. Those that move later are found where they were, and told by where they are.
+/// Ends of strokes by cells of a grid. A moved end stays in its first cell, but distances use its new position.
 class StrokeNeighbors {
  public:
   static constexpr float kNear = 5;                 ///< pixels
-  static constexpr std::uint32_t kMostInCell = 64;  ///< ends looked at in a cell, however many crowd there
+  static constexpr std::uint32_t kMostInCell = 64;  ///< ends examined per cell, in any crowd
 
-  /// `ends`: two for each stroke; those of stroke i are 2 i and 2 i + 1.
+  /// `ends` has two entries per stroke: stroke i has 2 i and 2 i + 1.
   StrokeNeighbors(const PixelBox& box, std::vector<Eigen::Vector2f> ends) : ends_(std::move(ends)) {
     corner_ = {static_cast<float>(box.x0), static_cast<float>(box.y0)};
     columns_ = static_cast<int>(static_cast<float>(box.x1 - box.x0) / kNear) + 1;
@@ -37,7 +37,7 @@ class StrokeNeighbors {
     ends_[2 * stroke + 1] = b;
   }
 
-  /// The other stroke with an end closest to that end; itself where none is near.
+  /// The other stroke with an end closest to this end; the stroke itself if none is near.
   std::size_t nearest(std::size_t end) const {
     const Eigen::Vector2f at = ends_[end];
     std::size_t nearest = end / 2;

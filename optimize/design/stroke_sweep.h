@@ -1,6 +1,8 @@
-// burin/optimize/design/stroke_sweep.h - the steps of the search (stroke_search.h) for those who make several of them
-// on the same pictures. In all of them tiles of all views are worked on at the same time, each with random numbers of
-// its own: same seed, same bits, for any number of threads.
+// burin/optimize/design/stroke_sweep.h - the steps of the search (stroke_search.h) for callers that run several on the
+// same pictures.
+//
+// All steps process tiles of all views in parallel, each with its own random numbers: the same seed gives the same bits
+// for any number of threads.
 #pragma once
 
 #include <atomic>
@@ -17,7 +19,7 @@
 
 namespace burin {
 
-/// Asks whether to stop until somebody says so; by several threads at once. `stop` may be empty, and must outlive it.
+/// Calls `stop` until it returns true, from several threads at once. `stop` may be empty, and must outlive this object.
 class Stopping {
  public:
   explicit Stopping(const std::function<bool()>& stop) : stop_(stop) {}
@@ -31,38 +33,37 @@ class Stopping {
   std::atomic<bool> over_{false};
 };
 
-/// A number that is another one for every (seed, view, step, tile).
+/// A different number for every (seed, view, step, tile).
 std::uint64_t seed_of(std::uint64_t seed, std::size_t view, std::size_t step, std::size_t tile);
 
-/// The tilings of one sweep: small tiles twice, laid differently, then larger and larger ones for the strokes that fit
-/// into none, in the end all that a kernel can count.
+/// The tilings of one sweep. Small tiles come twice, at different offsets. Larger and larger ones follow for the
+/// strokes that fit into none, up to the largest size that a kernel can count.
 std::vector<Tiling> tilings_of_sweep(const StrokeField& field, std::uint64_t seed);
 
-/// The tile that a stroke lies in, or none (size()).
+/// The tile that contains a stroke, or none (size()).
 std::size_t tile_of(const StrokeField& field, const Tiling& tiling, const Ends& ends);
 
-/// The views' pictures, shared where views show the same one; `rules` must outlive them.
+/// The views' pictures, shared between views that show the same one; `rules` must outlive them.
 std::vector<StrokeField> stroke_fields(const std::vector<StrokeView>& views, const StrokeRules& rules);
-/// The same, each view's images being given up once its field has them: both of a large design take a gigabyte.
+/// stroke_fields() that frees each view's images once its field has them: both of a large design take a gigabyte.
 std::vector<StrokeField> stroke_fields(std::vector<StrokeView>&& views, const StrokeRules& rules);
 
-/// The fields that may be worked on at the same time: those that share pictures stand in one group, and are worked on
-/// one after the other.
+/// Groups of fields. Fields that share pictures form one group and are processed in turn; groups may run in parallel.
 std::vector<std::vector<std::size_t>> field_groups(const std::vector<StrokeField>& fields);
 
-/// The view that each scratch is meant for: the one that it sends most of its lobe to.
+/// The view for which each scratch is made: the one that gets most of its lobe.
 std::vector<std::size_t> views_of(const std::vector<StrokeField>& fields, const Scratches& scratches);
 
-/// place_strokes().
+/// place_strokes() on fields.
 std::vector<Stroke> place_in(std::vector<StrokeField>& fields, const StrokeRules& rules, std::size_t count,
                              std::uint64_t seed, const std::function<bool()>& stop);
 
-/// improve_strokes(), `view` being that of each scratch.
+/// improve_strokes() on fields; `view` holds the view of each scratch.
 std::vector<std::size_t> improve_in(std::vector<StrokeField>& fields, const StrokeRules& rules, Scratches& scratches,
                                     const std::vector<std::size_t>& view, std::size_t movable, std::uint64_t seed,
                                     const std::function<bool()>& stop);
 
-/// worth_of().
+/// worth_of() on fields.
 std::vector<double> worth_in(const std::vector<StrokeField>& fields, const Scratches& scratches,
                              const std::vector<std::size_t>& view);
 

@@ -1,6 +1,6 @@
-// burin/optimize/design/stroke_tiles.h - a picture cut into tiles in which strokes are searched at the same time: what
-// is done in one tile reads and changes nothing outside it, so the result does not depend on who does it when. Frame:
-// pixels of the picture, y down.
+// burin/optimize/design/stroke_tiles.h - tiles of a picture for a parallel search. Work in one tile reads and changes
+// nothing outside of it, so the result is independent of threads and their timing. Frame: pixels of the picture, y
+// down.
 #pragma once
 
 #include <algorithm>
@@ -15,7 +15,7 @@ struct PixelBox {
   bool contains(int x, int y) const { return x >= x0 && x < x1 && y >= y0 && y < y1; }
 };
 
-/// Square tiles laid over a picture, the first ones beginning `shift` before its corner.
+/// Square tiles over a picture; the first ones begin `shift` before its corner.
 struct Tiling {
   int side = 1, shift_x = 0, shift_y = 0;  ///< shifts from 0 to side - 1
   int width = 0, height = 0;               ///< of the picture
@@ -27,7 +27,7 @@ struct Tiling {
   std::size_t tile_of(int x, int y) const {
     return static_cast<std::size_t>((y + shift_y) / side) * columns() + static_cast<std::size_t>((x + shift_x) / side);
   }
-  /// Its part of the picture.
+  /// Pixels of a tile inside the picture.
   PixelBox box(std::size_t tile) const {
     const int left = static_cast<int>(tile % columns()) * side - shift_x;
     const int top = static_cast<int>(tile / columns()) * side - shift_y;
@@ -35,8 +35,8 @@ struct Tiling {
   }
 };
 
-/// Shares `count` among parts by their weights, so that they add up to it: systematic sampling from `start` (0..1).
-/// Nothing where all weights are 0.
+/// Divides `count` among parts by their weights; the shares add up to it (systematic sampling from `start`, 0..1). All
+/// shares are 0 if all weights are 0.
 inline std::vector<std::size_t> shared_out(std::size_t count, const std::vector<double>& weights, double start) {
   double total = 0;
   for (const double w : weights) total += w;

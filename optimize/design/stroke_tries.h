@@ -1,5 +1,5 @@
-// burin/optimize/design/stroke_tries.h - strokes looked for in one tile: points and turns drawn at random, and the best
-// of what the kernel makes of them. Frames: board, mm; pixels of the picture, y down.
+// burin/optimize/design/stroke_tries.h - search of strokes in one tile: random points and turns, and the kernel's best
+// stroke. Frames: board, mm; pixels of the picture, y down.
 #pragma once
 
 #include <cstdint>
@@ -13,24 +13,24 @@
 
 namespace burin {
 
-/// What searches in one tile; everything it needs is its own, but the field's pixels in its box.
+/// The searcher of one tile. It owns all its data, except the field's pixels in its box.
 class StrokeTrier {
  public:
-  /// `field` and `rules` must outlive it.
+  /// `field` and `rules` must outlive this object.
   StrokeTrier(const StrokeField& field, const StrokeRules& rules, const PixelBox& box, std::uint64_t seed);
 
-  /// Looks anew for what the picture misses in the box.
+  /// Updates the missing light of the box.
   void survey();
   bool misses_anything() const { return missing_.all() > 0; }
 
-  /// The best of `candidates` strokes anywhere in the box, mostly where it misses light; gain 0: none gains anything.
+  /// The best of `candidates` strokes in the box, mostly at places that lack light. gain 0: none gains anything.
   Stroke best_anywhere(int candidates);
-  /// The best of `old`, which is out of the picture now, and candidates near it and anywhere. Equal to `old` where none
-  /// is better.
+  /// The best of `old`, which is removed from the picture, and of candidates near it and elsewhere. Equal to `old` if
+  /// none is better.
   Stroke best_instead(const Stroke& old, int candidates);
 
   SplitMix64& random() { return random_; }
-  StrokePixelsBefore& before() { return before_; }  ///< for changes that may be undone
+  StrokePixelsBefore& before() { return before_; }  ///< for changes with undo
   const PixelBox& box() const { return box_; }
 
  private:

@@ -1,11 +1,10 @@
-// burin/optimize/design/tolerance.h - how far eye and lamp may stand from where they are meant to before a picture is
-// lost.
+// burin/optimize/design/tolerance.h - viewing zone: distances of eye and lamp from their intended places at which a
+// picture is lost.
 //
-// A view is lost where its PSNR (at the exposure that suits it best there: eyes adapt) has fallen by kLostDb. Eye and
-// lamp are moved one at a time from their places in the bench, sideways (level, parallel to the face), up (at right
-// angles to that and to the line of sight), and in depth (along that line). Measured by rendering, on a grid of at most
-// kTolerancePixels a side; on finer grids pictures have more noise of their own and lose 3 dB later.
-// Frame: board, mm.
+// A view is lost if its PSNR has fallen by kLostDb, at the best exposure of each position (eyes adapt). Eye and lamp
+// move one at a time from their places in the bench: sideways (level, parallel to the face), up (at right angles to
+// this and to the line of sight), and in depth (along this line). The measurement renders on a grid of at most
+// kTolerancePixels a side. On finer grids pictures have more noise of their own and lose 3 dB later. Frame: board, mm.
 #pragma once
 
 #include <algorithm>
@@ -26,35 +25,35 @@ namespace burin {
 inline constexpr double kLostDb = 3;
 inline constexpr int kTolerancePixels = 256;
 
-/// Distances to both sides at which a view is lost; never more than half the distance to the board.
+/// Distances to both sides at which a view is lost; at most half the distance to the board.
 struct MoveRange {
   double minus_mm = 0, plus_mm = 0;
-  /// The smaller of both ways.
+  /// The smaller distance.
   double least() const { return std::min(minus_mm, plus_mm); }
 };
 
-/// How far an eye or a lamp may move from its place, mm.
+/// Viewing zone of an eye or a lamp around its place, mm.
 struct PlaceTolerance {
   MoveRange sideways, up, depth;  ///< plus: to the right as seen from there, upwards, away from the board
 };
 
-/// How much of a view is lost when eye or lamp move.
+/// Viewing zone of a view's eye and lamp.
 struct ViewTolerance {
-  double psnr_db = 0;  ///< with eye and lamp in their places, on the grid that this was measured on
+  double psnr_db = 0;  ///< with eye and lamp in place, on this measurement's grid
   PlaceTolerance eye, lamp;
   Image lost_db;           ///< eye moved sideways (columns, to the right) and up (rows, row 0 uppermost)
-  double map_half_mm = 0;  ///< the outermost column and row stand for this far
+  double map_half_mm = 0;  ///< distance at the outermost columns and rows
 };
 
-/// What a view is compared with.
+/// Reference of a view.
 struct ToleranceTarget {
   Image target, mask;                    ///< as in burin/optimize/target.h
-  double exposure = 0;                   ///< near the best
+  double exposure = 0;                   ///< initial guess of the best
   std::array<double, 3> gains{1, 1, 1};  ///< of a target in color: DesignedColor::white_gain
 };
 
-/// One for each of the spec's views, whose `targets` come in the same order. Once `stop` (may be empty) returns true,
-/// only of those that were measured until then.
+/// Measures each of the spec's views, with `targets` in the same order. Once `stop` (may be empty) returns true, the
+/// result has only the views measured so far.
 std::vector<ViewTolerance> measure_tolerance(const DesignSpec& spec, const Board& board, const Bench& bench,
                                              const std::vector<ToleranceTarget>& targets, const Scratches& scratches,
                                              const Progress& progress, const std::function<bool()>& stop = {});

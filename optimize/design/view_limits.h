@@ -1,4 +1,4 @@
-// burin/optimize/design/view_limits.h - what limits a design's views: the same grooves rendered without one thing at a
+// burin/optimize/design/view_limits.h - limits of a design's views: the same grooves rendered without one effect at a
 // time. docs/design.md, 'What limits a picture'.
 #pragma once
 
@@ -14,24 +14,24 @@
 
 namespace burin {
 
-/// By how much a view would come closer to its target, dB, if one thing that limits it were gone and all else the same.
+/// Gain of a view in dB if one effect were absent and all else equal.
 struct ViewLimits {
-  double crossings = 0;  ///< grooves were cut evenly along them, as much as they are
-  double crosstalk = 0;  ///< the grooves made for other views did not show
-  double face = 0;       ///< the plain face were black
-  double cutoff = 0;     ///< walls were steep enough for all of the light that they could send
-  double pixels = 0;     ///< of the figure for eyes: the target had no more detail than the design's pixels
+  double crossings = 0;  ///< grooves with the same loss at crossings, spread evenly along them
+  double crosstalk = 0;  ///< no light from the grooves made for other views
+  double face = 0;       ///< a black plain face
+  double cutoff = 0;     ///< walls steep enough for the whole lobe
+  double pixels = 0;     ///< of the figure of merit for eyes: a target without detail beyond the design's pixels
 };
 
-/// Of one view's channels, which must be as rendered with `grooves`; all but the pixels.
+/// Limits of one view's channels, which must be rendered with `grooves`; `pixels` is left out.
 ViewLimits limits_of(std::span<WorkView> channels, const std::vector<double>& log_exposure, const LyingGrooves& grooves,
                      const Bench& bench, const Board& board);
 
-/// ViewLimits::pixels of a view on finer pixels than its design's, whose target is `coarse`.
+/// ViewLimits::pixels of a view on finer pixels than its design's; `coarse` is the design's target.
 double pixels_limit_db(std::span<const WorkView> channels, const std::vector<double>& log_exposure,
                        const Image& coarse);
 
-/// What limits a view most, and what would lift it.
+/// The largest limit of a view, and a remedy.
 Finding limits_in_words(const std::string& view, double psnr_db, const ViewLimits& limits);
 
 }  // namespace burin
