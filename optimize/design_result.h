@@ -50,7 +50,7 @@ struct DesignIteration {
   double loss = 0;
   std::vector<double> view_loss;
   double seconds = 0;  ///< since the first iteration began
-  /// Of grooves as they will be cut; else with the light that crossings left at the last check.
+  /// The loss is of grooves as they will be cut. Otherwise it uses the light that crossings left at the last check.
   bool as_carved = true;
 };
 

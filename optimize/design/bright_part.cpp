@@ -17,8 +17,8 @@
 namespace burin {
 namespace {
 
-constexpr double kBright = 0.005;   // of the best direction's light
-constexpr double kDarkFace = 0.05;  // beside it
+constexpr double kBright = 0.005;   // of the light in the best direction
+constexpr double kDarkFace = 0.05;  // of the groove's light
 
 void add_rows(const std::vector<double>& of_part, const std::vector<std::size_t>& rows, std::vector<double>& to) {
   for (std::size_t k = 0; k < of_part.size(); ++k) to[rows[k]] += of_part[k];
@@ -39,7 +39,7 @@ bool glints_along_lines(const WorkView& view, const Bench& bench) {
 bool bright_part_shows(const WorkView& view, const Bench& bench, const Board& board) {
   if (!glints_along_lines(view, bench)) return false;
   double sent =
-      0;  // by a groove of the best direction along a mm; what it takes of the face has to be little beside it
+      0;  // Light of a groove in its best direction, per mm; the face light that it covers must be small in comparison
   for (const WorkLamp& lamp : view.lamps) sent = std::max(sent, mean_value(lamp.unit));
   const double width_mm = 2e-3 * half_width_um(bench.material.profile, board.tool_width_um, bench.material.depth_um);
   const double brightest = *std::max_element(view.face.data.begin(), view.face.data.end());

@@ -35,7 +35,8 @@ struct BrightPart {
 bool glints_along_lines(const WorkView& view, const Bench& bench);
 
 /// Whether the view's half vectors can separate its bright grooves. All its lights must be point lamps and the board
-/// flat. A groove must take less than a twentieth of its light, when turned to the view, from the face.
+/// flat. The face light that a groove covers must be less than a twentieth of the groove's own light in its best
+/// direction.
 bool bright_part_shows(const WorkView& view, const Bench& bench, const Board& board);
 
 /// Rows of grooves that send a view at least a two-hundredth of the light of their best direction (lobe() at their

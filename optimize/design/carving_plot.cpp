@@ -55,7 +55,7 @@ std::string carving_plot(const std::vector<CarvingPoint>& curve, const std::vect
     svg += line(x(h), kTop, x(h), kHeight - kBottom);
     svg += words(x(h), kHeight - kBottom + 18, "middle", fixed(h, hours < 5 ? 2 : 1) + " h");
   }
-  // Names stand where their curves begin, a line of text apart at least.
+  // Names are at the starts of their curves, at least one line of text apart.
   std::vector<std::pair<double, std::string>> names{{y(mean(curve.front().psnr_db)), "mean"}};
   for (std::size_t k = 0; k < view_names.size(); ++k) names.emplace_back(y(curve.front().psnr_db[k]), view_names[k]);
   std::sort(names.begin(), names.end());

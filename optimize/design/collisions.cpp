@@ -13,15 +13,15 @@ namespace burin {
 namespace {
 
 constexpr std::size_t kToldOneByOne = 6;
-constexpr int kPlacesASide = 9;  // a side: where a curved board is asked
+constexpr int kPlacesASide = 9;  // lattice points along each side of a curved board
 
 std::string in_degrees(double radians) { return fixed(radians / kDegree_rad, 1); }
 std::string in_percent(double share) { return std::to_string(static_cast<int>(std::lround(100 * share))) + " %"; }
 
-// Each view's half vector at the places where the board is asked, the middle first.
+// Each view's half vector at the sampled places, the middle first.
 struct AskedPlaces {
   std::vector<double> alpha;
-  std::vector<std::vector<Lean>> lean;  // by place and view
+  std::vector<std::vector<Lean>> lean;  // index: place, then view
 };
 
 AskedPlaces look_at_places(const std::vector<GlintView>& views, const Eigen::Vector2d& min_mm,

@@ -33,8 +33,8 @@ inline constexpr double kGhost = 0.1;
 std::vector<Collision> collisions_of(const std::vector<GlintView>& views, const Eigen::Vector2d& min_mm,
                                      const Eigen::Vector2d& max_mm, const GrooveAt& groove_at);
 
-/// One warning per pair. From seven pairs on, one warning for all names the worst ones. It distinguishes neighbors that
-/// share scratches, as in a moving picture, from views that should have nothing in common.
+/// One warning per pair for up to six pairs. For more, a single warning names the worst ones. It distinguishes
+/// neighbors that share scratches, as in a moving picture, from views that should have nothing in common.
 std::vector<Finding> told(const std::vector<Collision>& collisions, const std::vector<GlintView>& views);
 
 }  // namespace burin

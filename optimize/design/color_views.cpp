@@ -15,7 +15,7 @@
 namespace burin {
 namespace {
 
-constexpr double kOneColor_rad = 1 * kDegree_rad;  // lights nearer than that are of one color
+constexpr double kOneColor_rad = 1 * kDegree_rad;  // lights at a smaller angle have one color
 
 std::vector<Light> one_by_one(const Light& light) {
   std::vector<Light> all{light};
@@ -25,7 +25,7 @@ std::vector<Light> one_by_one(const Light& light) {
   return all;
 }
 
-// Gray is the mean of three channels: this one's, thrice, and nothing of the others.
+// Gray is the mean of three channels: this channel counts three times, the others not at all.
 Eigen::Vector3d channel_alone(const Eigen::Vector3d& rgb, const LightPart& part) {
   if (part.channel < 0) return rgb;
   Eigen::Vector3d out(0, 0, 0);
@@ -37,8 +37,8 @@ double angle_between(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   return std::atan2(a.cross(b).norm(), a.dot(b));
 }
 
-// The amounts, none below 0, of colors that come closest to a light: coordinate by coordinate, which ends at the
-// optimum because the sum of squares is convex and the bounds are the coordinates' own.
+// Amounts, none negative, of the colors that come closest to a light. Coordinate descent reaches the optimum, because
+// the sum of squares is convex and each bound concerns one coordinate.
 Eigen::Vector3d nearest_light(const Eigen::Vector3d& wanted, const LampColors& colors, std::vector<double>& amounts) {
   constexpr int kSteps = 60;
   constexpr double kStill = 1e-6;
@@ -138,7 +138,7 @@ Eigen::Vector3d white_gains(const DesignView& view, const Board& board, const Be
     fail("view " + view.view, "asks for a white that lacks a color, or has a thousand times less of it than of another",
          "give the light [r, g, b] that is to look white, as [1, 0.9, 0.7]");
   const Eigen::Vector3d gains = white.cwiseInverse();
-  const Eigen::Vector3d luminance(0.2126, 0.7152, 0.0722);  // Rec. 709, as burin::luminance
+  const Eigen::Vector3d luminance(0.2126, 0.7152, 0.0722);  // Rec. 709, as in burin::luminance
   return paper.mean() / luminance.dot(gains.cwiseProduct(paper)) * gains;
 }
 

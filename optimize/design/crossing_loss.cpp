@@ -10,7 +10,7 @@
 namespace burin {
 namespace {
 
-// The light of the grooves, of white: what covers the face takes a little of its own light.
+// The light of the grooves relative to white, without the face's own light. Grooves cover a little of the face.
 Image light_of_grooves(const WorkView& view, Image radiance, float exposure) {
   constexpr float kOfFace = 0.9F;
   for (std::size_t i = 0; i < radiance.data.size(); ++i)
@@ -31,9 +31,9 @@ void add(Image& sum, const Image& image) {
 
 void see_crossings(std::vector<WorkView>& views, const std::vector<double>& log_exposure, const Carved& whole,
                    double cover) {
-  // Over a pixel or two: what a stroke meets beside another is much the same.
+  // Blur of a pixel or two: neighboring strokes meet similar crossings.
   constexpr double kBlurPx = 1;
-  std::vector<std::pair<Image, Image>> left(views.size());  // with crossings, and without
+  std::vector<std::pair<Image, Image>> left(views.size());  // light with crossings, and without
   Image all_left, all;
   for (std::size_t k = 0; k < views.size(); ++k) {
     WorkView& v = views[k];
@@ -47,7 +47,7 @@ void see_crossings(std::vector<WorkView>& views, const std::vector<double>& log_
     add(all_left, left[k].first);
     add(all, left[k].second);
   }
-  // Where a view has little light yet, what the others keep there says what new strokes would.
+  // At places with little light of a view so far, the light of all views estimates the share for new strokes.
   constexpr float kOfAll = 0.1F, kLittle = 1e-6F, kLeast = 0.05F;
   for (std::size_t k = 0; k < views.size(); ++k) {
     CrossingLoss& crossings = views[k].crossings;
@@ -66,9 +66,9 @@ void forget_crossings(std::vector<WorkView>& views) {
 }
 
 Image crossing_cost(const std::vector<WorkView>& views, const std::vector<double>& log_exposure) {
-  // Of two grooves that cross, each keeps half of what they share.
+  // Of two crossing grooves, each keeps half of the shared part.
   constexpr float kTaken = 0.5F;
-  // What it takes is not spread evenly over the pixel, or over two of them: errors that no brightness mends.
+  // The removed light is not spread evenly over one or two pixels, which causes errors that no exposure corrects.
   constexpr float kUneven = 0.2F;
   if (views.front().crossings.kept.data.empty()) return {};
   const auto cover = static_cast<float>(views.front().crossings.cover);
@@ -78,7 +78,7 @@ Image crossing_cost(const std::vector<WorkView>& views, const std::vector<double
                 weight = static_cast<float>(v.spec.weight * v.share * v.balance);
     for (std::size_t i = 0; i < cost.data.size(); ++i) {
       const float light = exposure * v.radiance.data[i];
-      if (!(light > 0) || light >= 1) continue;  // what is white stays so
+      if (!(light > 0) || light >= 1) continue;  // white pixels stay white
       const float shown = shown_light(light), of_face = exposure * v.face.data[i];
       const float by_log = kShownPower * shown * std::clamp((light - of_face) / light, 0.0F, 1.0F);
       const float matters = v.target.mask.data.empty() ? 1 : v.target.mask.data[i];

@@ -5,11 +5,11 @@
 namespace burin {
 
 std::optional<std::size_t> fewer_strokes(std::size_t strokes, double a_stroke, double cover) {
-  // Pixels to a stroke for each time that the board is covered. Measured: of pictures that cover it 0.4 to 2 times,
-  // those with 3 to 6 show most, and 2 lose up to 8 dB.
+  // Pixels per stroke for each time that the board is covered. Measured on pictures that cover it 0.4 to 2 times: 3 to
+  // 6 pixels show most, and 2 lose up to 8 dB.
   constexpr double kTooFew = 4, kEnough = 5;
   if (!(a_stroke < kTooFew * cover)) return std::nullopt;
-  // More strokes are shorter ones: what they cover grows by about the cube root of their number.
+  // More strokes are shorter ones, so their covered area grows by about the cube root of their number.
   constexpr double kCoverBy = 1.0 / 3;
   const auto fewer = static_cast<std::size_t>(static_cast<double>(strokes) *
                                               std::pow(a_stroke / (kEnough * cover), 1 / (1 + kCoverBy)));

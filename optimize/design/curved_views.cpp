@@ -11,7 +11,7 @@
 namespace burin {
 namespace {
 
-// 1 where the face turns to a place or faces it and nothing of it is between; 0 elsewhere, and in gaps of a mesh.
+// 1 if the face looks towards a position and none of it is in between; 0 elsewhere, and in gaps of a mesh.
 std::vector<std::uint8_t> open_to(const FootprintGrid& grid, const BoardFace& face, const Eigen::Vector3d& from_mm) {
   const std::vector<std::uint8_t> hidden = hidden_pixels(grid, face, from_mm);
   std::vector<std::uint8_t> open(grid.center_mm.size());
@@ -65,7 +65,7 @@ std::vector<Finding> check_seen(const std::string& view, const FootprintGrid& gr
 }
 
 std::vector<Finding> check_stretch(const BoardFace& face, const std::string& mesh_file) {
-  constexpr double kMuch = 0.03;  // grooves' widths and lengths are off by as much
+  constexpr double kMuch = 0.03;  // relative error of the grooves' widths and lengths
   if (face.mesh == nullptr || face.mesh->most_stretch() <= kMuch) return {};
   return {make_warning(mesh_file + " stretches or squeezes the flat board by up to " +
                            fixed(100 * face.mesh->most_stretch(), 1) +
@@ -80,7 +80,8 @@ double longest_straight_mm(const BoardFace& face, const Eigen::Vector2d& min_mm,
     const double radius = 1 / std::abs(cylinder_of(face.surface).curvature);
     return std::min(longest_mm, radius * std::sqrt(2 * alpha));
   }
-  // Of a mesh: how far its normals turn between places of a lattice, wider than most meshes' pieces.
+  // Curvature of a mesh: the turn of its normals between lattice points, which are wider apart than most meshes'
+  // pieces.
   constexpr int kSide = 24;
   const Eigen::Vector2d step = (max_mm - min_mm) / kSide;
   double curvature = 0;

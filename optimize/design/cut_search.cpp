@@ -16,7 +16,7 @@ namespace {
 
 using Eigen::Vector2d;
 
-// One tile of a sweep: the grooves in it, and what they take from each other there.
+// One tile of a sweep: the grooves in it, and the cuts between them.
 class CutTile {
  public:
   CutTile(std::vector<StrokeField>& fields, const StrokeRules& rules, const Metal& metal, const BrightPlaces& places,
@@ -89,7 +89,7 @@ class CutTile {
     });
   }
 
-  // What line k and those near it, from `least` on, take from each other.
+  // Adds the cuts between line k and nearby lines with an index of at least `least`.
   void meet(std::uint32_t k, std::uint32_t least) {
     near_.clear();
     ++visit_;
@@ -110,13 +110,13 @@ class CutTile {
     cuts_[line].push_back(cut);
     cut_by_[cut.cutter].push_back(line);
   }
-  // What line k takes of others is there no more; visit(line, cut).
+  // Removes the cuts by line k in other lines; visit(line, cut).
   template <typename Visit>
   void forget_cuts_by(std::uint32_t k, const Visit& visit) {
     for (const std::uint32_t j : std::exchange(cut_by_[k], {})) {
       std::vector<GlintCut>& cuts = cuts_[j];
       const auto at = std::find_if(cuts.begin(), cuts.end(), [k](const GlintCut& c) { return c.cutter == k; });
-      if (at == cuts.end()) continue;  // that one was taken out itself meanwhile
+      if (at == cuts.end()) continue;  // its line was removed in the meantime
       const GlintCut cut = *at;
       *at = cuts.back();
       cuts.pop_back();
@@ -124,7 +124,8 @@ class CutTile {
     }
   }
 
-  // Adds the light of what others than `but` leave of a stretch of line k, times so much.
+  // Adds the light of the remaining pieces of line k between `from` and `to`, times `times`. Cuts by `but` do not
+  // count.
   double light(std::uint32_t k, double from, double to, std::uint32_t but, float times) {
     inside_.clear();
     for (const GlintCut& cut : cuts_[k])
@@ -147,7 +148,7 @@ class CutTile {
     return fell;
   }
 
-  // Takes line k out of the metal: those that it cut get their light back.
+  // Removes line k: the lines that it cut get their light back.
   double take_out(std::uint32_t k) {
     double fell = light(k, 0, lines_[k].length, kNone, -1);
     theirs_.clear();
@@ -172,7 +173,7 @@ class CutTile {
     return fell;
   }
 
-  // As it was before it was taken out, and perhaps put in elsewhere; pixels are put back by themselves.
+  // Restores line k after its removal, and perhaps after its insertion elsewhere. Pixels are restored separately.
   void put_back(std::uint32_t k, const GlintLine& line, bool was_put_in) {
     forget_cuts_by(k, [](std::uint32_t, const GlintCut&) {});
     if (was_put_in) unlist(k);
@@ -214,18 +215,19 @@ class CutTile {
   double margin_ = 0;
   CellsOfLines grid_;
   std::vector<std::vector<std::uint32_t>> cells_;
-  std::vector<std::uint32_t> local_;  // of each scratch
+  std::vector<std::uint32_t> local_;  // index in this tile of each scratch
   std::vector<GlintLine> lines_;
-  std::vector<std::size_t> views_;                  // that each is meant for
-  std::vector<std::vector<GlintCut>> cuts_;         // of each line
-  std::vector<std::vector<std::uint32_t>> cut_by_;  // of each line those that it cuts, and some that it cut
+  std::vector<std::size_t> views_;                  // for which each line is made
+  std::vector<std::vector<GlintCut>> cuts_;         // for each line
+  std::vector<std::vector<std::uint32_t>> cut_by_;  // for each line: the lines that it cuts, and former ones
   std::vector<std::uint32_t> seen_, near_;
-  std::vector<GlintCut> own_;  // what stood in cuts_ for, and by, the line that was taken out last
+  std::vector<GlintCut> own_;  // cuts in and by the line that was removed last
   std::vector<std::pair<std::uint32_t, GlintCut>> theirs_;
   std::uint32_t visit_ = 0;
   std::vector<std::pair<double, double>> inside_;
-  std::vector<StrokePixelsBefore> before_;                    // of each field
-  std::vector<std::pair<std::size_t, std::size_t>> changes_;  // whose pixels changed, and how many had before
+  std::vector<StrokePixelsBefore> before_;  // for each field
+  // Field with changed pixels, and its number of earlier changes.
+  std::vector<std::pair<std::size_t, std::size_t>> changes_;
   std::vector<StrokeTrier> triers_;
 };
 
@@ -240,7 +242,7 @@ std::vector<std::size_t> improve_cut(std::vector<StrokeField>& fields, const Str
   for (std::size_t i = 0; i < movable; ++i) mine[i] = i;
   Stopping stopping(stop);
   const std::vector<Tiling> tilings = tilings_of_sweep(fields.front(), seed_of(seed, 0, 0, 0));
-  // Strokes too long for these tiles have their turn where tiles are laid otherwise, in another sweep.
+  // Strokes too long for these tiles come up in another sweep with other tiles.
   constexpr std::size_t kTilings = 2;
   for (std::size_t step = 0; step < std::min(kTilings, tilings.size()) && !mine.empty(); ++step) {
     const Tiling& tiling = tilings[step];

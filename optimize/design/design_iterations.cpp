@@ -1,4 +1,4 @@
-// The iterations of a DesignRun: Adam's steps, searches in between, and scratches that go.
+// The iterations of a DesignRun: Adam's steps, re-insertion searches, and pruning.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -23,16 +23,16 @@
 namespace burin {
 namespace {
 
-constexpr int kBudgetSteps = 6;  // in which scratches go, so that those that stay can make up for the others
+constexpr int kBudgetSteps = 6;  // steps of pruning, so that the remaining scratches can compensate
 
-// Part of the iterations from which rims are counted exactly, and when an order of carving is settled. A new order
-// changes which groove rules where two cross. The second half of the iterations makes up for that: less is not enough
-// (measured: 0.5 dB), and strokes searched after it would stand in an order that is no short way.
+// Part of the iterations from which cut rims count exactly, and part at which the carving order is settled. A new order
+// changes the upper groove of crossings. The second half of the iterations compensates for this. Less is not enough
+// (measured: 0.5 dB), and strokes searched later would make the order's travel long.
 constexpr double kRimsFrom = 0.6, kSettledFrom = 0.5;
 
-constexpr double kLooksToEnd = 3;  // what comes after the iterations takes about so many looks
+constexpr double kLooksToEnd = 3;  // the stages after the iterations take about as long as this many evaluations
 
-// The iterations kept for the contact sheet: dense at first, where most happens.
+// The iterations in the contact sheet: dense at first, when most changes.
 std::vector<int> contact_iterations(int iterations, int frames) {
   std::vector<int> kept;
   for (int f = 0; f < frames; ++f) {
@@ -52,19 +52,19 @@ void DesignRun::iterate() {
   iterations_began_s_ = deadline_.seconds();
   drop_at_ = static_cast<int>(std::lround(options_.drop_at * options_.iterations));
   bright_.assign(views_.size(), {});
-  // What starts at random learns from faint light which way to turn.
+  // After a random start, scratches learn their direction from faint light.
   if (!starts_at_random())
     for (std::size_t k = 0; k < views_.size(); ++k) bright_[k].apart = bright_part_shows(views_[k], bench_, board_);
   if (options_.carve_hours > 0)
     full_carving_s_ = carving_time_s(new_ones(), bench_.material.depth_um, options_.carve_machine);
-  // A design that starts where it should be is only set right; a random one has a way to go.
+  // A searched start only needs corrections; a random start needs long moves.
   first_rate_ = options_.rate > 0 ? options_.rate : starts_at_random() ? 1e-3 : 0.2 / pixels_;
   last_rate_ = options_.final_rate > 0 ? options_.final_rate : starts_at_random() ? 1e-4 : 0.0125 / pixels_;
   part_ = 0;
   for (iteration_ = 0;; ++iteration_) {
     const bool last = iteration_ == options_.iterations || result_.stopped_early;
     count_time();
-    // Who wishes an end does not wait for a look at how grooves that are searched whole would be cut now.
+    // After a stop, no evaluation of whole grooves as they would be cut follows.
     if (last && deadline_.wished() && !rims_count_ && best_) {
       merit_ = -std::numeric_limits<double>::infinity();
       rims_count_ = true;
@@ -96,25 +96,25 @@ void DesignRun::iterate() {
   cut_look_.reset();
   result_.iteration_seconds = deadline_.seconds() - iterations_began_s_;
   if (options_.carve_hours > 0) keep_to_budget(3600 * options_.carve_hours);
-  if (options_.iterations > 0) settle_order();  // a design of no iterations measures what there is, as it is
+  if (options_.iterations > 0) settle_order();  // a design without iterations measures its scratches as they are
 }
 
-// The last look, dropping and the figures, which cost about two more.
+// The last evaluation, pruning and the figures cost about two evaluations more.
 bool DesignRun::time_to_end() { return deadline_.wished_or_used(1, kLooksToEnd * look_s_); }
 
-// How far the iterations are. Those in which rims count are a quarter of them and take about half of the time.
+// Progress of the iterations. Iterations with exact cuts are a quarter of all and take about half of the time.
 void DesignRun::count_time() {
-  constexpr double kSearched = 0.5;  // of the time
+  constexpr double kSearched = 0.5;  // part of the time with whole strokes
   const double time = deadline_.part_since(iterations_began_s_, kLooksToEnd * look_s_);
   time_part_ = !grooves_cut_each_other() ? time
                : time < kSearched        ? kRimsFrom * time / kSearched
                                          : kRimsFrom + (1 - kRimsFrom) * (time - kSearched) / (1 - kSearched);
-  // Iterations that keep up with the time do not depend on the clock: the same input gives the same bits.
+  // Iterations within the time limit do not depend on the clock, so the same input gives the same bits.
   const double all = std::max(1, options_.iterations - 1), by_number = iteration_ / all;
   part_ = std::max(part_, time_part_ > (iteration_ + 1) / all ? time_part_ : by_number);
 }
 
-// Weak scratches go before the end, so that the last iterations make up for them.
+// Pruning precedes the end, so that the last iterations compensate for it.
 bool DesignRun::is_time_to_drop() const {
   if (weak_dropped_ || iteration_ == 0) return false;
   return iteration_ == drop_at_ || time_part_ >= options_.drop_at;
@@ -126,17 +126,17 @@ Scratches DesignRun::new_ones() const {
   return selected(scratches_, rows);
 }
 
-// Of the grooves that hardly show: they are looked at anew.
+// Discards the held light of faint grooves; the next evaluation renders them.
 void DesignRun::forget_others() {
   for (BrightPart& part : bright_) part.others = {};
 }
 
-// Every view's picture and loss and, unless it is the last look, the gradient. `rendered`: all grooves, as they lie
-// now.
+// Computes every view's picture and loss and, unless `last`, the gradient. `rendered`: the pictures show all grooves at
+// their present places.
 void DesignRun::look(bool last, bool rendered) {
   const double began_s = deadline_.seconds();
   const LyingGrooves grooves = in_the_metal();
-  by_carved_ = std::move(gradients_);  // its memory: the step has been made
+  by_carved_ = std::move(gradients_);  // reuses its memory, because the step is done
   by_carved_.resize(grooves.whole.size());
   d_log_exposure_.assign(log_exposure_.size(), 0.0);
   DesignIteration now;
@@ -165,7 +165,7 @@ void DesignRun::look(bool last, bool rendered) {
   if (!last) {
     gradients_ = pull_back(grooves.whole, designed_, search_bench_, board_, std::move(by_carved_));
     for (auto* g : {&gradients_.x0_mm, &gradients_.y0_mm, &gradients_.x1_mm, &gradients_.y1_mm})
-      std::fill(g->begin() + static_cast<std::ptrdiff_t>(movable_), g->end(), 0.0);  // what is carved stays
+      std::fill(g->begin() + static_cast<std::ptrdiff_t>(movable_), g->end(), 0.0);  // existing grooves stay
   }
   if (all_seen && rims_count_) look_s_ = deadline_.seconds() - began_s;
   if (rims_count_) judge(last ? Exposed::best : Exposed::as_optimized);
@@ -178,7 +178,7 @@ void DesignRun::look(bool last, bool rendered) {
          "check the bench's numbers; report this if they are sound");
 }
 
-// What the grooves show as they will be carved, beside what the iterations see of them.
+// Evaluates the grooves as they will be carved, separately from the iterations' own pictures.
 void DesignRun::look_as_carved(const LyingGrooves& grooves) {
   render_all(views_, grooves);
   const std::vector<double> as_worked_on = std::exchange(log_exposure_, fitting_exposures(views_, log_exposure_));
@@ -200,14 +200,14 @@ double DesignRun::psnr_db(std::span<const WorkView> channels, Exposed exposed) c
   return color_psnr_db(picture, target_of(channels), channels[0].target.mask);
 }
 
-// Whether what is minimized is what PSNR measures of the pictures in their places.
+// Whether the loss equals PSNR's error, for the original pictures without off-axis viewpoints.
 bool DesignRun::psnr_is_minimized() const {
   return options_.loss.perceptual == 0 && options_.loss.gram == 0 && !views_.back().aside &&
          std::all_of(views_.begin(), views_.end(), [](const WorkView& v) { return v.wanted.data.empty(); });
 }
 
-// The last look, as the grooves will be carved. Views count by their weights; the logarithm keeps one of them from
-// being given up for another.
+// Judges the last evaluation as carved. Views count by their weights. The logarithm prevents the sacrifice of one view
+// for another.
 void DesignRun::judge(Exposed exposed) {
   const bool by_psnr = psnr_is_minimized();
   std::vector<double> loss(shown_, 0.0);
@@ -239,7 +239,7 @@ void DesignRun::go_back_to(const Iterate& iterate) {
   merit_ = iterate.merit;
 }
 
-// Where the last look, which was exact, is not the best of those whose scratches there may be.
+// Returns to the best iterate if the last evaluation, which was exact, is worse.
 void DesignRun::take_back_best() {
   if (best_ && best_->merit > merit_) {
     const Iterate last = as_looked_at(true);
@@ -254,7 +254,7 @@ void DesignRun::take_back_best() {
   forget_others();
 }
 
-// What people see of the last look.
+// Records the last evaluation for the result and the observer.
 void DesignRun::record(bool last) {
   record_start();
   if (last || std::find(contact_.begin(), contact_.end(), iteration_) != contact_.end()) {
@@ -262,7 +262,8 @@ void DesignRun::record(bool last) {
     for (const std::span<WorkView> channels : shown_views()) {
       Image picture = picture_of(channels);
       for (float& p : picture.data) p = std::min(1.0F, p);
-      frame.pictures.push_back(for_contact_sheet(picture));  // whole ones of large designs would take a gigabyte
+      // Small, because whole ones of large designs would take a gigabyte.
+      frame.pictures.push_back(for_contact_sheet(picture));
     }
     result_.frames.push_back(std::move(frame));
   }
@@ -286,7 +287,7 @@ void DesignRun::show(int iteration, double loss, const std::vector<double>& view
   options_.watch(frame);
 }
 
-// The start, as rendered last.
+// Shows the start as last rendered.
 void DesignRun::show_start() {
   if (!options_.watch) return;
   for (const std::span<WorkView> channels : shown_views())
@@ -325,17 +326,17 @@ bool DesignRun::searches_are_over() const {
   return part_ >= std::min(options_.relocate_until, latest);
 }
 
-// The order that the board is carved in, once no scratch is searched another place any more.
+// Settles the carving order once no search moves scratches any more.
 void DesignRun::settle_order() {
   if (in_last_order_ || !order_matters(bench_) || deadline_.wished()) return;
   report("ordering scratches", 0);
   put_in_carving_order(true);
-  best_.reset();  // lies in another order
+  best_.reset();  // it has another order
   in_last_order_ = true;
   forget_others();
 }
 
-// Grooves as they will cut each other, from now on; the pictures lose light by it. Whether they were rendered so.
+// Switches to grooves as they will be cut; the pictures lose light by this. Returns whether they were rendered so.
 bool DesignRun::count_rims() {
   if (rims_count_) return false;
   report("cutting rims away where scratches cross", 0);
@@ -346,7 +347,7 @@ bool DesignRun::count_rims() {
   return true;
 }
 
-// Before rims count, what they leave is seen now and then.
+// Before cuts count, the light that they leave is rendered now and then.
 void DesignRun::look_at_crossings() {
   constexpr int kEvery = 5;
   if (rims_count_ || iteration_ % kEvery != 0) return;
@@ -361,12 +362,12 @@ void DesignRun::look_at_crossings() {
   log_exposure_ = fitting_exposures(views_, log_exposure_);
 }
 
-// Of what is rendered whole.
+// Applies the crossings' loss to pictures of whole grooves.
 void DesignRun::leave_crossings(const WorkView& view, Image& image) const {
   if (!rims_count_) leave_what_crossings_do(view, image);
 }
 
-// Of a pixel, by a groove that crosses it along one pixel's length.
+// Covered part of a pixel, by a groove that crosses it along one pixel's length.
 double DesignRun::cover_of_pixel() const {
   const Scratches& s = scratches_;
   double length_mm = 0;
@@ -375,9 +376,9 @@ double DesignRun::cover_of_pixel() const {
   return length_mm > 0 ? area / (length_mm * views_.front().pitch_mm) : 0;
 }
 
-// A sweep that knows of every crossing, once grooves are cut.
+// Runs a sweep with every single crossing, once grooves are cut.
 void DesignRun::relocate_cut_some() {
-  constexpr int kEvery = 2;  // searches of whole strokes: a sweep takes about twice as long
+  constexpr int kEvery = 2;  // searches of whole strokes per sweep, which takes about twice as long
   constexpr double kUntil = 0.97;
   if (!grooves_cut_each_other() || options_.relocate_every <= 0 || part_ > kUntil ||
       iteration_ % (kEvery * options_.relocate_every) != 0)
@@ -395,7 +396,7 @@ void DesignRun::relocate_cut_some() {
 
 void DesignRun::relocate_some() {
   if (options_.relocate_every <= 0 || iteration_ == 0 || iteration_ % options_.relocate_every != 0) return;
-  // Looked at anew: strokes that are placed before Adam's step, by its picture, come out 0.3 dB worse.
+  // The views are rendered again: strokes placed before Adam's step by its picture come out 0.3 dB worse.
   const LyingGrooves grooves = in_the_metal();
   for (std::size_t k = 0; k < views_.size(); ++k) {
     render_view(views_[k], bright_[k], bench_, grooves, false);
@@ -409,7 +410,7 @@ void DesignRun::relocate_some() {
   result_.relocated += moved.size();
 }
 
-void DesignRun::keep_only(const std::vector<std::size_t>& kept) {  // new ones first, as ever
+void DesignRun::keep_only(const std::vector<std::size_t>& kept) {  // new ones first, as always
   if (kept.size() == count()) return;
   if (result_.loss_before_drop == 0) result_.loss_before_drop = result_.history.back().loss;
   movable_ -= count() - kept.size();
@@ -437,14 +438,14 @@ void DesignRun::drop_weak() {
                      [this] { return deadline_.wished(); });
   result_.dropped += weak.size();
   keep_only(all_but(count(), weak));
-  // Those that are said not to matter come back if all without them is worse in the end. Others go at any price.
+  // The final result may restore scratches of negligible effect, if it is worse without them. Other pruning is final.
   constexpr double kHardlyMatters = 0.01;  // of the error
   if (options_.drop_share > 0 || options_.drop_light > 0 || options_.drop_error > kHardlyMatters) best_.reset();
 }
 
-// Down to the time there is, the least worthy for what they cost first. What is carved already takes none.
+// Prunes down to the available time, by least marginal contribution per cost. Existing grooves take no time.
 void DesignRun::keep_to_budget(double allowed_s) {
-  constexpr int kRounds = 8;  // the air is shared anew after each round; a few meet the time
+  constexpr int kRounds = 8;  // each round divides the travel again; a few meet the time
   for (int round = 0; round < kRounds && movable_ > 1; ++round) {
     const std::vector<double> cost = carving_costs_s(new_ones(), bench_.material.depth_um, options_.carve_machine);
     const double now_s = std::accumulate(cost.begin(), cost.end(), 0.0);
@@ -463,7 +464,7 @@ void DesignRun::keep_to_budget(double allowed_s) {
     result_.dropped += spared.size();
     keep_only(all_but(count(), spared));
     best_.reset();
-    // Fewer have to be brighter.
+    // Fewer scratches have to be brighter.
     render_all(views_, in_the_metal());
     log_exposure_ = fitting_exposures(views_, log_exposure_);
   }
@@ -478,7 +479,7 @@ void DesignRun::keep_to_part_of_budget() {
   keep_to_budget(full_carving_s_ * std::pow(budget_s / full_carving_s_, part));
 }
 
-// Width, depth and alpha that all scratches share, in logarithms: d/dlog p = p d/dp, summed over the scratches.
+// Moves the common width, depth and alpha in logarithms: d/dlog p = p d/dp, summed over the scratches.
 void DesignRun::move_shared() {
   if (!optimizes_shared()) return;
   const auto sum = [](const std::vector<double>& g) { return std::accumulate(g.begin(), g.end(), 0.0); };

@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kOfPixel = 85, kOfScratch = 1300, kProgram = 60e6;
 
-// A number behind a name, or the first one of the file.
+// The number after a name, or the first number of the file.
 std::optional<double> number_in(const char* file, const std::string& name) {
   std::ifstream in(file);
   double number = 0;

@@ -23,7 +23,7 @@ Json list(const std::vector<double>& values) {
   return json;
 }
 
-// What each view's files are called: "v00", or "v00-lamp" where a view shows a picture under each of several lamps.
+// Names of each view's files: "v00", or "v00-lamp" if a view shows pictures under several lamps.
 std::vector<std::string> labels_of(const std::vector<DesignedView>& views) {
   std::vector<std::string> names;
   for (const DesignedView& view : views) {
@@ -64,7 +64,7 @@ Json place_json(const PlaceTolerance& p) {
   return {{"sideways", range(p.sideways)}, {"up", range(p.up)}, {"depth", range(p.depth)}};
 }
 
-// A square a place: from white (nothing lost) to blue at the limit, from orange to black at twice the limit.
+// One square per position: white (no loss) to blue at the limit, then orange to black at twice the limit.
 Image tolerance_map(const ViewTolerance& t) {
   constexpr int kSquare = 32;
   Image map(t.lost_db.width * kSquare, t.lost_db.height * kSquare, 3);
@@ -79,7 +79,7 @@ Image tolerance_map(const ViewTolerance& t) {
   return map;
 }
 
-// One view's pictures into the folder, and what the report says of it.
+// Writes one view's pictures to the folder, and returns its entry of the report.
 Json write_view(const DesignResult& result, std::size_t k, const std::string& name,
                 const std::filesystem::path& folder) {
   const DesignedView& v = result.views[k];

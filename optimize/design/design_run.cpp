@@ -32,7 +32,7 @@ namespace {
 
 constexpr double kStartShare = 0.4;  // of the time limit: iterations gain more than a better start
 
-// What is to be designed, when going on, and what is in the metal already.
+// The scratches to design, if the design continues an earlier one, and the existing grooves.
 std::pair<Scratches, Scratches> new_and_carved(const DesignOptions& options, const Board& board, const Bench& bench) {
   if (options.carved.size() > 0 && (options.optimize_width || options.optimize_depth || options.optimize_alpha))
     fail("design", "the groove of what is carved already cannot be chosen any more",
@@ -118,7 +118,7 @@ void DesignRun::read_targets() {
   look_at_the_carved();
 }
 
-// On `pixels_`.
+// Prepares the views on `pixels_` pixels.
 void DesignRun::lay_targets(std::vector<Finding>& found) {
   views_ = prepare_views(spec_, board_, bench_, options_, pixels_, limits_, found);
   for (WorkView& v : views_) v.sees_lines = glints_along_lines(v, bench_);
@@ -138,8 +138,8 @@ bool DesignRun::take_fewer_pixels() {
   return fewer.has_value();
 }
 
-// How many strokes there is room for was found by trying, which gave them their length: in larger pixels they are
-// shorter, and more.
+// Reduces the pixels if strokes cannot fill them. The number of strokes was found by trying, which fixed their length;
+// in larger pixels they are shorter and more.
 bool DesignRun::looks_too_closely() {
   if (options_.from || deadline_.wished_or_used(kStartShare) || !take_fewer_pixels()) return false;
   result_.findings.resize(findings_before_start_);
@@ -151,7 +151,7 @@ bool DesignRun::looks_too_closely() {
   return true;
 }
 
-// What cannot be undone: the face and what is in it.
+// Checks the unchangeable parts: the face and its existing grooves.
 void DesignRun::look_at_the_carved() {
   findings_before_start_ = result_.findings.size();
   if (carved_.size() == 0) return;
@@ -174,8 +174,8 @@ void DesignRun::place() {
 
 void DesignRun::choose_stroke_rules() {
   const Eigen::Vector2d area = limits_.max_mm - limits_.min_mm;
-  // Guided: the search chooses every length itself; this bounds them. Scratches of a view of this length, laid end to
-  // end, would cover 0.8 of its pixels.
+  // Guided start: the search chooses every length within this bound. Scratches of this length in a row would cover 0.8
+  // of a view's pixels.
   const double pixel_mm = views_.front().pitch_mm;
   const std::size_t all = movable_ + carved_.size();
   const double covering = std::clamp(0.8 * area.x() * area.y() * static_cast<double>(views_served(views_).size()) /
@@ -196,7 +196,7 @@ void DesignRun::start_strokes() {
     scratches_ = random_start(movable_, limits_, mean_length_mm_, options_.seed);
     return;
   }
-  // Later on exposures hardly change any more: the strokes that stand are of the right brightness for them.
+  // Exposures hardly change afterwards, because existing strokes have the right brightness for them.
   log_exposure_ = starting_exposures(views_, log_exposure_.size(), options_.start_light);
   report("placing scratches", 0);
   const auto enough = [this] { return deadline_.wished_or_used(kStartShare); };
@@ -206,14 +206,14 @@ void DesignRun::start_strokes() {
     result_.findings.push_back(make_warning("the start was ended early: " + std::to_string(scratches_.size()) + " of " +
                                             std::to_string(movable_) +
                                             " scratches begin where the pictures want them, the rest anywhere"));
-  // Where the model finds no more to gain, the rest start anywhere: relocation may yet find them a place.
+  // If the model finds no further gain, the rest starts at random places: re-insertion may still find places for them.
   scratches_ =
       joined(scratches_, random_start(movable_ - scratches_.size(), limits_, mean_length_mm_, options_.seed + 1),
              board_.tool_width_um, bench_.material.depth_um, bench_.material.alpha);
 }
 
-// A quarter more than can be carved in time may start and be weeded out. More would only teach the rest to be dim: then
-// the start is made anew.
+// Restarts with fewer scratches if the carving time allows them. Up to a quarter more than this may start and be
+// pruned. More would only make the others dimmer.
 bool DesignRun::start_with_fewer() {
   constexpr double kMore = 1.25;
   if (!(options_.carve_hours > 0) || options_.from) return false;
@@ -227,12 +227,13 @@ bool DesignRun::start_with_fewer() {
   return true;
 }
 
-// Strokes grow while they are designed, but pay for what they cross: a fifth of what can be cut is left to that. Fewer
-// strokes may be longer, so that how many there may be is found by trying.
+// Restarts with fewer scratches if there are too many crossings. Strokes grow during the design, but pay for their
+// crossings: a fifth of the permitted pieces is reserved for growth. Fewer strokes may be longer, so their number is
+// found by trying.
 bool DesignRun::start_with_less_to_cut() {
   constexpr double kFewer = 0.85;
   constexpr std::size_t kMostPieces = limit::kCuts / 5 * 4;
-  constexpr double kFarFromMost = 0.25;  // cutting them only to count takes as long as an iteration
+  constexpr double kFarFromMost = 0.25;  // counting the pieces by cutting takes as long as an iteration
   if (options_.from || bench_.crossings == Crossings::add) return false;
   const Scratches all =
       joined(new_ones(), carved_, board_.tool_width_um, bench_.material.depth_um, bench_.material.alpha);
@@ -248,16 +249,16 @@ bool DesignRun::start_with_less_to_cut() {
   return true;
 }
 
-// With the time for a start used up, it stays as it is.
+// Without time left for a start, it stays as it is.
 bool DesignRun::is_crowded() {
   if (!grooves_cut_each_other() || options_.from || deadline_.wished_or_used(kStartShare)) return false;
   const double cover = cover_now();
-  // Pixels that eyes do not tell apart need no strokes of their own.
+  // Pixels that eyes do not resolve need no strokes of their own.
   const double eye_px = pixels_of_eyes(limits_.max_mm - limits_.min_mm, eye_distance_mm()),
                told_apart = std::pow(std::min(1.0, eye_px / pixels_), 2);
   const auto fewer = fewer_strokes(count(), told_apart * pixels_a_stroke(views_, count()), cover);
   if (!fewer) return false;
-  // What is in the metal stays; at least a fifth of the best is new.
+  // Existing grooves stay; at least a fifth of the best number is new.
   const std::size_t fewer_new =
       std::max(*fewer > carved_.size() ? *fewer - carved_.size() : 0, std::max<std::size_t>(*fewer / 5, 1));
   if (fewer_new >= movable_) return false;
@@ -282,7 +283,7 @@ void DesignRun::join_carved() {
   scratches_.carved.resize(movable_ + carved_.size(), 1);
 }
 
-// As the search takes them, or as they will cut each other.
+// Grooves as the search uses them, or as they will cut each other.
 LyingGrooves DesignRun::in_the_metal(bool cut) const {
   return cut ? grooves_in(scratches_, metal_, views_) : LyingGrooves(carve(designed_, search_bench_, board_));
 }
@@ -313,7 +314,7 @@ void DesignRun::expose() {
   for (const WorkView& v : views_) {
     const double mean = mean_value(v.radiance);
     if (!(mean > 0)) fail("view " + v.spec.view, "is black", "check the lamp's intensity and position in the bench");
-    if (v.exposed_by != v.channel) continue;  // it holds no brightness
+    if (v.exposed_by != v.channel) continue;  // it has no exposure of its own
     wanted[v.exposure_group] += mean_light(v.target.picture);
     given[v.exposure_group] += mean;
   }
@@ -339,7 +340,7 @@ void DesignRun::improve_start() {
   }
 }
 
-// What cannot obey is placed anew or dropped.
+// Re-inserts or drops invalid scratches.
 void DesignRun::obey_all_rules() {
   if (options_.optimize_width) limits_.width_um = std::exp(log_shared_[0]);
   Obeying obeying = obey(scratches_, limits_, views_, log_exposure_, rules_, metal_, options_.seed + 2000,
@@ -355,7 +356,7 @@ void DesignRun::obey_all_rules() {
 
 void DesignRun::measure() {
   measure_pictures();
-  // Whoever wishes the work to end waits for nothing that the scratches do not need.
+  // A stop skips all measurements that the scratches do not need.
   const auto wished = [this] { return deadline_.wished(); };
   if ((options_.report_tolerance || options_.tolerance_mm > 0) && !wished()) {
     std::vector<ToleranceTarget> targets;
@@ -381,7 +382,8 @@ void DesignRun::measure() {
   warn_if_hardly_any_is_left();
 }
 
-// A scratch that helps one picture and harms another at the same place is of no use to either, and is dropped.
+// Warns if pruning leaves few scratches. A scratch that helps one picture and harms another at the same place has no
+// value for either, and is dropped.
 void DesignRun::warn_if_hardly_any_is_left() {
   constexpr double kHardlyAny = 0.1;
   const std::size_t left = result_.scratches.size() - result_.carved;
@@ -411,7 +413,7 @@ void DesignRun::measure_pictures() {
   if (options_.note_few_strokes && !deadline_.wished()) measure_limits(grooves);
 }
 
-// What would lift each view: the same grooves, rendered without one thing at a time.
+// Measures the limits of each view: the same grooves, rendered without one effect at a time.
 void DesignRun::measure_limits(const LyingGrooves& grooves) {
   report("measuring what limits the views", 0);
   for (const std::span<WorkView> channels : shown_views())
@@ -437,7 +439,7 @@ void DesignRun::measure_picture(std::span<const WorkView> channels, DesignedView
   out.shown = shown_of(channels, exposures);
   out.psnr_db = color_psnr_db(out.shown, out.target, v.target.mask);
   out.ssim = color_ssim(out.shown, out.target, v.target.mask);
-  // The plain face alone, at the same exposure: nothing can be darker.
+  // The plain face alone at the same exposure is the darkest possible picture.
   std::vector<Image> achievable;
   for (std::size_t c = 0; c < channels.size(); ++c) {
     Image face = channels[c].face;
@@ -463,7 +465,7 @@ double DesignRun::eye_distance_mm() const {
   return mean;
 }
 
-// What eyes in the views' places see: of the pixels that they tell apart, whatever the design looked at.
+// Measures the figure of merit at the pixels that eyes at the viewpoints resolve, independent of the design's pixels.
 void DesignRun::measure_for_eyes() {
   result_.eye_from_m = eye_distance_mm() / 1000;
   result_.eye_px = pixels_of_eyes(limits_.max_mm - limits_.min_mm, eye_distance_mm());
@@ -474,7 +476,7 @@ void DesignRun::measure_for_eyes() {
   report("measuring what eyes see", 0);
   std::vector<char> lines;
   for (const WorkView& v : views_) lines.push_back(v.sees_lines);
-  views_.clear();  // their memory
+  views_.clear();  // frees their memory
   views_ = views_to_look_at(spec_, board_, bench_, options_, result_.eye_px, limits_);
   for (std::size_t k = 0; k < views_.size(); ++k) views_[k].sees_lines = lines[k];
   render_all(views_, in_the_metal());

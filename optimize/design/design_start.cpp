@@ -14,7 +14,7 @@
 namespace burin {
 namespace {
 
-// Anywhere in the area, in any direction.
+// A random position in the area, and a random direction.
 Stroke random_stroke(const CarvingLimits& limits, double mean_length_mm, std::mt19937_64& random) {
   const Eigen::Vector2d middle(limits.min_mm.x() + uniform(random) * (limits.max_mm.x() - limits.min_mm.x()),
                                limits.min_mm.y() + uniform(random) * (limits.max_mm.y() - limits.min_mm.y()));
@@ -71,7 +71,7 @@ StrokeRules stroke_rules(const CarvingLimits& limits, double mean_length_mm, con
   rules.candidates = candidates;
   rules.min_mm = limits.min_mm;
   rules.max_mm = limits.max_mm;
-  // Flat parts of a picture want long strokes. Short ones cost the machine as much as they bring light.
+  // Flat parts of a picture need long strokes. Short ones cost much machine time for little light.
   const double most = longest_straight_mm(face_of(board, bench), limits.min_mm, limits.max_mm, bench.material.alpha,
                                           std::min(10 * mean_length_mm, 0.9 * (limits.max_mm - limits.min_mm).norm()));
   rules.longest_mm = limits.machine.longest_mm > 0 ? std::min(limits.machine.longest_mm, most) : most;

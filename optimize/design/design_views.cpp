@@ -36,7 +36,7 @@ std::pair<int, int> grid_size(const Board& board, int pixels) {
           std::max(1, static_cast<int>(std::lround(pixels * area.y() / longer)))};
 }
 
-// 1 where a groove's middle may lie, 0 on keep-outs and tags; no pixels if all is free.
+// 1 at pixels that may contain a groove's middle, 0 on keep-outs and tags; no pixels if all is free.
 Image carvable(const CarvingLimits& limits, double clearance_mm, int width, int height) {
   Image mask;
   for (const KeepOut& place : limits.keep_out)
@@ -51,7 +51,7 @@ Image carvable(const CarvingLimits& limits, double clearance_mm, int width, int 
   return mask;
 }
 
-// Whether what is served is one lamp, whose half vectors need not be measured.
+// Whether the light is one lamp, whose half vectors need no measurement.
 bool is_one_lamp(const WorkView& v, const WorkLamp& lamp, const Bench& bench) {
   return find_lit(bench, lights_served(v.spec)[lamp.light], "design").is_lamp();
 }
@@ -69,7 +69,7 @@ class LampRenderers {
         render_(render),
         workspace_(std::move(workspace)) {}
 
-  // The view's own renderer where the light is alone in it.
+  // The view's own renderer if it has no other light.
   ViewRenderer& under(WorkView& v, const WorkLamp& lamp) {
     if (v.lamps.size() == 1) return v.renderer;
     const Eigen::Vector3d moved = lamp.glint.camera_mm - glint_of(v.spec, bench_).camera_mm;
@@ -89,7 +89,7 @@ class LampRenderers {
   std::optional<ViewRenderer> alone_;
 };
 
-// Which of a view's channels each light leads: where a scratch made for it brings most.
+// Finds the leading channel of each light in a view: the one with the strongest light of a scratch.
 void choose_leading(std::vector<WorkView>& views) {
   std::map<std::pair<std::size_t, std::size_t>, std::pair<double, WorkLamp*>> leading;
   for (WorkView& v : views)
@@ -105,9 +105,9 @@ void choose_leading(std::vector<WorkView>& views) {
   for (auto& [which, lead] : leading) lead.second->leads = true;
 }
 
-// Measures faces and the light of a scratch of the best direction for every light served. Views that are not seen under
-// one lamp get the field that a search rests on; where there are such, it is said what pictures can hope for. One
-// renderer a light does both, since tables of surroundings take seconds to make.
+// Measures faces, and the light of a scratch of the best direction for every light served. Views under other lights
+// than one lamp get the field for the search, and findings about possible pictures. One renderer per light does both,
+// because tables of surroundings take seconds to make.
 void measure_lights(std::vector<WorkView>& views, LampRenderers& renderers, const Board& board, const Bench& bench,
                     std::vector<Finding>& findings) {
   const auto carve = [&](const Scratches& tests) { return Metal{bench, board}.carved_alone(tests); };
@@ -137,7 +137,7 @@ void measure_lights(std::vector<WorkView>& views, LampRenderers& renderers, cons
   append(findings, check_directions(measured));
 }
 
-// What the lights can mix of each picture in color.
+// Finds the closest colors that the lights can mix, for each picture in color.
 void mix_colors(std::vector<WorkView>& views, std::vector<Finding>& findings) {
   for (const std::span<WorkView> of : shown_channels(views)) {
     if (of.size() != 3) continue;
@@ -160,7 +160,7 @@ void mix_colors(std::vector<WorkView>& views, std::vector<Finding>& findings) {
   }
 }
 
-// The pictures of a view on the board's pixels, and how they are turned.
+// The pictures of a view on the board's pixels, and their rotation.
 struct LaidView {
   double rotation_deg = 0;
   std::vector<Target> targets;
@@ -182,14 +182,14 @@ LaidView lay(const DesignView& v, const Board& board, const Bench& bench, int wi
   return out;
 }
 
-// Only what is 1 in `part` counts.
+// Restricts the mask to the pixels that are 1 in `part`.
 void restrict_mask(Target& target, const Image& part) {
   if (part.data.empty()) return;
   if (target.mask.data.empty()) target.mask = Image(part.width, part.height, 1, 1.0F);
   for (std::size_t i = 0; i < part.data.size(); ++i) target.mask.data[i] *= part.data[i];
 }
 
-// The lights that a view's scratches are made for and that a channel has any light of.
+// The lights for which a view's scratches are made, without lights that are dark in the channel.
 std::vector<WorkLamp> lamps_of(const DesignView& v, const std::vector<GlintView>& glints, int channel,
                                const Eigen::Vector3d& moved, const Bench& bench) {
   std::vector<WorkLamp> out;
@@ -203,7 +203,7 @@ std::vector<WorkLamp> lamps_of(const DesignView& v, const std::vector<GlintView>
   return out;
 }
 
-// The light of what matters of a picture.
+// Light of a target under its mask.
 double light_that_matters(const Target& target) {
   double sum = 0;
   for (std::size_t i = 0; i < target.picture.data.size(); ++i)
@@ -212,8 +212,7 @@ double light_that_matters(const Target& target) {
   return sum;
 }
 
-// The channel by whose picture each channel's brightness is set: its own or, of one that is (nearly) black and holds no
-// brightness, that of the brightest.
+// The channel whose picture sets each channel's exposure: its own, or the brightest one's for a (nearly) black channel.
 std::vector<int> exposing_channels(const DesignView& v, const std::vector<Target>& targets,
                                    std::vector<Finding>& findings) {
   constexpr double kBlack = 1e-3;
@@ -236,7 +235,7 @@ std::vector<int> exposing_channels(const DesignView& v, const std::vector<Target
   return out;
 }
 
-// No more pixels than a design takes.
+// Throws Error for more pixels than a design can have.
 void require_size(const DesignSpec& spec, int width, int height) {
   std::size_t pictures = 0;
   for (const DesignView& v : spec.views) pictures += v.color ? 3 : 1;
@@ -249,18 +248,18 @@ void require_size(const DesignSpec& spec, int width, int height) {
          "ask for fewer with --pixels, or for fewer views (docs/limits.md)");
 }
 
-// The grooves of a board at a place.
+// Shape of a board's grooves at a place.
 GrooveShape groove_of(const Board& board, const Bench& bench, const Eigen::Vector2d& p_mm) {
   return {at_place(bench.depth_field, bench.material.depth_um, board.size_mm, p_mm),
           std::min(1.0, at_place(bench.alpha_field, bench.material.alpha, board.size_mm, p_mm)),
           bench.material.profile};
 }
 
-// Before any picture is loaded: a bench that cannot work is the first thing to know.
+// Checks the bench before any picture is loaded: an impossible bench is reported first.
 void check_bench(const DesignSpec& spec, const std::vector<std::vector<GlintView>>& glints, const Board& board,
                  const Bench& bench, std::vector<Finding>& findings) {
   for (const DesignView& v : spec.views) fail_unless_sees(find_view(bench, v.view, "design"), board);
-  std::vector<GlintView> of_lamps;  // what other lights do is measured below
+  std::vector<GlintView> of_lamps;  // other lights are measured later
   for (std::size_t k = 0; k < glints.size(); ++k)
     for (std::size_t l = 0; l < glints[k].size(); ++l)
       if (find_light(bench, lights_served(spec.views[k])[l], "design").is_lamp()) of_lamps.push_back(glints[k][l]);
@@ -269,14 +268,14 @@ void check_bench(const DesignSpec& spec, const std::vector<std::vector<GlintView
   append(findings, lamps_in_color(spec, board, bench));
 }
 
-// On which pixels views are rendered, how, and in whose memory.
+// Pixels, options and memory of the views' renderers.
 struct Rendering {
   std::shared_ptr<const FootprintGrid> grid;
   RenderOptions render;
   std::shared_ptr<RenderWorkspace> workspace;
 };
 
-// The spec's views and their pictures, nothing measured yet. As prepare_views().
+// The spec's views and their pictures, without measurements. As prepare_views().
 std::vector<WorkView> lay_views(const DesignSpec& spec, const Board& board, const Bench& bench,
                                 const DesignOptions& options, int pixels, const CarvingLimits& limits,
                                 const Rendering& by, std::vector<Finding>& findings);
@@ -310,7 +309,7 @@ ViewScene design_scene(const DesignSpec& spec, std::size_t index, const Board& b
                        const Eigen::Vector3d& lamp_moved_mm, const LightPart& part) {
   const DesignView& v = spec.views[index];
   ViewScene scene = make_scene(bench, board, std::move(grid), glint_of(v, bench).camera_mm + eye_moved_mm, {});
-  // In color each lamp makes a picture by itself, and what shines beside them would count with each.
+  // In color each lamp makes a picture by itself, and additional lights would count in each of them.
   scene.light = part_of((v.color ? find_light : find_lit)(bench, v.light, "design"), part, scene.ambient);
   scene.light.position_mm += lamp_moved_mm;
   for (Light& beside : scene.light.also) beside.position_mm += lamp_moved_mm;
@@ -319,7 +318,7 @@ ViewScene design_scene(const DesignSpec& spec, std::size_t index, const Board& b
       return hidden_on_the_way(*scene.grid, *face, scene.camera_center_mm, light.position_mm);
     };
     scene.hidden_from_light = hidden_from(scene.light);
-    if (v.color)  // each lamp by itself: a channel looks the same however many lamps have some of it
+    if (v.color)  // each lamp by itself: a channel is independent of the number of lamps with some of its light
       for (const Light& beside : scene.light.also) {
         const std::vector<std::uint8_t> more = hidden_from(beside);
         scene.hidden_from_light.insert(scene.hidden_from_light.end(), more.begin(), more.end());
@@ -332,11 +331,11 @@ std::vector<WorkView> prepare_views(const DesignSpec& spec, const Board& board, 
                                     const DesignOptions& options, int pixels, const CarvingLimits& limits,
                                     std::vector<Finding>& findings) {
   RenderOptions render;
-  // Where depth or roughness vary over the board, a scratch's place moves them.
+  // If depth or roughness vary over the board, they depend on a scratch's place.
   render.material_gradients = options.optimize_width || options.optimize_depth || options.optimize_alpha ||
                               !bench.depth_field.is_constant() || !bench.alpha_field.is_constant();
   const std::shared_ptr<RenderWorkspace> workspace =
-      make_render_workspace();  // one view's memory: they are worked on in turn
+      make_render_workspace();  // memory for one view: they are processed in turn
   const std::shared_ptr<const FootprintGrid> grid = design_grid(board, bench, pixels);
   std::vector<WorkView> views =
       lay_views(spec, board, bench, options, pixels, limits, {grid, render, workspace}, findings);
@@ -366,7 +365,7 @@ std::vector<WorkView> lay_views(const DesignSpec& spec, const Board& board, cons
   const Eigen::Vector2d middle = (board.carve_min_mm + board.carve_max_mm) / 2;
   const auto [width, height] = grid_size(board, pixels);
   require_size(spec, width, height);
-  std::vector<std::vector<GlintView>> glints;  // a view of the spec, and its lights served
+  std::vector<std::vector<GlintView>> glints;  // index: view of the spec, then light served
   const std::shared_ptr<const BoardFace> curved = curved_face(board, bench);
   if (curved) append(findings, check_stretch(*curved, board.mesh.string()));
   for (const DesignView& v : spec.views) {
@@ -464,7 +463,7 @@ Carved seen_by(const WorkView& view, const LyingGrooves& grooves, std::span<cons
     out.scratches = selected(grooves.whole.scratches, rows);
     return out;
   }
-  // The lamp that a groove shows most of.
+  // The lamp for which a groove glints most.
   std::vector<const GlintView*> glints(rows.size(), &view.lamps.front().glint);
   if (view.lamps.size() > 1)
     for (std::size_t k = 0; k < rows.size(); ++k) {

@@ -40,10 +40,10 @@ struct WorkGhost {
 struct WorkLamp {
   std::size_t light = 0;  ///< of lights_served()
   GlintView glint;
-  Image unit{};                     ///< measure_units() of this light's own share; no pixels: all dark
-  bool leads = true;                ///< this view gets most light of all views under the lamp, off-axis ones excluded
+  Image unit{};       ///< measure_units() of this light's own share; no pixels: all dark
+  bool leads = true;  ///< the light is strongest in this channel of its view; off-axis viewpoints never lead
   std::vector<WorkGhost> ghosts{};  ///< find_ghosts()
-  bool outshone = false;            ///< dark in this channel: a ghost replaces it
+  bool outshone = false;            ///< another lamp's ghost replaces it in this channel
 };
 
 /// Light that crossings take from a view's grooves (crossing_loss.h).
@@ -97,8 +97,8 @@ std::vector<WorkView> prepare_views(const DesignSpec& spec, const Board& board, 
                                     const DesignOptions& options, int pixels, const CarvingLimits& limits,
                                     std::vector<Finding>& findings);
 
-/// The same views for evaluation only, on other pixels, without off-axis viewpoints. Faces and unit lights are not
-/// measured. Throws Error as above.
+/// Views for evaluation only, on other pixels, without off-axis viewpoints. Faces and unit lights are not measured.
+/// Throws Error as above.
 std::vector<WorkView> views_to_look_at(const DesignSpec& spec, const Board& board, const Bench& bench,
                                        const DesignOptions& options, int pixels, const CarvingLimits& limits);
 

@@ -12,11 +12,11 @@ namespace {
 
 constexpr int kDirections = 90;
 constexpr int kPlacesASide = 3;  // places along each side
-constexpr double kHalf = 0.766;  // where model.md 3.4 has fallen to a half: sqrt(2^(2/3) - 1)
+constexpr double kHalf = 0.766;  // turn at which model.md 3.4 is a half: sqrt(2^(2/3) - 1)
 
 double angle_of(double k) { return std::numbers::pi * k / kDirections; }
 
-// The direction that sends most, as a place between the measured ones; of those within `reach` of `near`, if any.
+// The direction with most light, interpolated between the measured ones; within `reach` of `near`, if it is given.
 double best_place(const std::vector<double>& light, double near, int reach) {
   const int n = static_cast<int>(light.size());
   const auto at = [&](int k) { return light[static_cast<std::size_t>(((k % n) + n) % n)]; };
@@ -27,7 +27,7 @@ double best_place(const std::vector<double>& light, double near, int reach) {
   return best + (bend < 0 ? std::clamp(0.5 * (a - c) / bend, -0.5, 0.5) : 0);
 }
 
-// By how much a scratch turns, radians, until it has lost half of what it sends above the least; the mean of both ways.
+// The turn in radians after which a scratch has lost half of its light above the least; mean of both sides.
 double half_turn(const std::vector<double>& light, double best) {
   const int n = static_cast<int>(light.size());
   const double least = *std::min_element(light.begin(), light.end());
@@ -105,8 +105,8 @@ DirectionLight measure_directions(ViewRenderer& renderer, const Eigen::Vector2d&
 }
 
 std::vector<Finding> check_directions(const std::vector<MeasuredView>& views) {
-  constexpr double kLittle = 4;   // times: below it white is no white any more beside what cannot be dark
-  constexpr double kGhost = 0.3;  // of a view's light that may show in another unmentioned, the floor not counted
+  constexpr double kLittle = 4;   // contrast below which white and black hardly differ
+  constexpr double kGhost = 0.3;  // crosstalk without a warning, without the floor
   std::vector<Finding> findings;
   for (const MeasuredView& v : views) {
     const DirectionLight& d = v.directions;
@@ -122,7 +122,7 @@ std::vector<Finding> check_directions(const std::vector<MeasuredView>& views) {
     else
       findings.push_back({Finding::Severity::note, "design", what, ""});
   }
-  // Lights of one view in color go by their own names.
+  // Lights of one view in color have their own names.
   const auto called = [&](const MeasuredView& v) {
     const auto of_the_name =
         std::count_if(views.begin(), views.end(), [&](const MeasuredView& other) { return other.name == v.name; });

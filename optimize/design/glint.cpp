@@ -36,7 +36,7 @@ Eigen::Vector2d GlintField::at(const Eigen::Vector2d& p_mm) const {
 
 Eigen::Vector3d half_vector_at(const GlintView& view, const Eigen::Vector3d& p_mm) {
   if (view.field) {
-    constexpr double kMost = 0.999;  // of the sine of h's lean
+    constexpr double kMost = 0.999;  // of the sine of h's tilt
     const Eigen::Vector2d shadow = view.field->at(p_mm.head<2>());
     const Eigen::Vector2d kept = shadow * std::min(1.0, kMost / std::max(shadow.norm(), 1e-12));
     return {kept.x(), kept.y(), std::sqrt(1 - kept.squaredNorm())};

@@ -20,18 +20,18 @@ std::string number(double value) { return general(value, 3); }
 // Whether scratches of any direction glint.
 bool near_mirror(double lean, double alpha) { return std::sin(lean) < 3 * alpha; }
 
-// What the grooves of a board hold of a view's lobe.
+// The part of a view's lobe that a board's grooves cover.
 struct Reached {
-  double least_lean = std::numbers::pi / 2, most_lean = 0;  // of h over the area
-  double shallowest = std::numbers::pi / 2, steepest = 0;   // of the grooves' steepest walls
-  double best = 0;                                          // part of the lobe, where it is most
-  double dark = 0;                                          // share of the area where it is less than half
-  double mirror = 0;                                        // share where h leans too little for a direction to count
+  double least_lean = std::numbers::pi / 2, most_lean = 0;  // tilt of h over the area
+  double shallowest = std::numbers::pi / 2, steepest = 0;   // cutoff angle of the grooves over the area
+  double best = 0;                                          // largest covered lobe fraction
+  double dark = 0;    // share of the area with a covered lobe fraction below one half
+  double mirror = 0;  // share of the area with too little tilt of h for a distinct direction
 };
 
 Reached reached_over(const GlintView& view, const Eigen::Vector2d& min_mm, const Eigen::Vector2d& max_mm,
                      double width_um, const GrooveAt& groove_at) {
-  constexpr int kPoints = 9;  // a side: where the area is looked at
+  constexpr int kPoints = 9;  // lattice points along each side of the area
   Reached out;
   int dark = 0, mirror = 0;
   for (int j = 0; j < kPoints; ++j)
@@ -59,7 +59,7 @@ Reached reached_over(const GlintView& view, const Eigen::Vector2d& min_mm, const
 
 std::vector<Finding> check_glints(const std::vector<GlintView>& views, const Eigen::Vector2d& min_mm,
                                   const Eigen::Vector2d& max_mm, double width_um, const GrooveAt& groove_at) {
-  constexpr double kNoGlint = 0.02;  // of the lobe: what is left 2 alpha beyond the cut-off
+  constexpr double kNoGlint = 0.02;  // covered lobe fraction 2 alpha beyond the cutoff angle
   std::vector<Finding> findings;
   const Eigen::Vector2d center = (min_mm + max_mm) / 2;
   const double alpha = groove_at(center).alpha;

@@ -27,7 +27,7 @@ BrightPlaces::BrightPlaces(const GrooveProfile& profile, double width_um, double
     double all = 0, aside = 0, reach = 0;
     for (int wall = -kWalls; wall < kWalls; ++wall) {
       const double x = rim_um * (wall + 0.5) / kWalls;
-      // Of a wall that turns with x, light by x: the lobe's density by lean (docs/model.md 3.4).
+      // Light by x, of a wall whose slope changes with x: the lobe's density by tilt (docs/model.md 3.4).
       const double off = (wall_lean(profile, width_um, x) - lean) / alpha,
                    density = 1 / ((1 + off * off) * (1 + off * off));
       all += density;
@@ -69,7 +69,7 @@ GlintLine glint_line(const Eigen::Vector2d& a, const Eigen::Vector2d& b, double 
   const Eigen::Vector3d h = half_vector_at(glint, {middle.x(), middle.y(), 0});
   const double leans = h.head<2>().dot(out.across());
   out.bright = places.at(std::atan2(std::abs(leans), h.z()));
-  if (leans > 0) out.bright.aside_mm *= -1;  // a wall's normal leans to the groove's middle
+  if (leans > 0) out.bright.aside_mm *= -1;  // a wall's normal tilts to the groove's middle
   return out;
 }
 
@@ -77,7 +77,7 @@ GlintCut cut_of(const GlintLine& i, const GlintLine& j, std::uint32_t cutter) {
   const double reach = i.bright.reach_mm + i.bright.reach_by_depth * (j.depth_um - i.depth_um);
   const GrooveMet met = groove_met(i.at(0), i.u, j.a, j.u, j.length);
   const double across_end = met.across + i.length * met.across_slope;
-  // Most that are near do not meet.
+  // Most nearby grooves do not meet.
   if (!(reach > 0) || std::min(met.across, across_end) > reach || std::max(met.across, across_end) < -reach) return {};
   return {covered_stretch(met, i.length, reach), cutter};
 }
@@ -127,7 +127,7 @@ void GlintCuts::add_left(std::size_t row, const GlintView& glint, std::vector<st
     const GlintCut cut = cut_of(line, lines_[j], j);
     if (cut.from < cut.to) cuts.push_back(cut);
   }
-  // Those that are near in several cells come several times, and cover themselves.
+  // A groove that is near in several cells occurs several times; its cuts overlap exactly.
   std::sort(cuts.begin(), cuts.end(), [](const GlintCut& a, const GlintCut& b) {
     return a.from != b.from ? a.from < b.from : a.cutter < b.cutter;
   });

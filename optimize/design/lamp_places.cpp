@@ -23,7 +23,7 @@ constexpr std::size_t kMostSearched = 40;
 
 std::string in_degrees(double radians, int decimals) { return fixed(radians / kDegree_rad, decimals); }
 
-// Whether a lamp may be put elsewhere: for all that it serves or not at all.
+// Whether a lamp may move: for all its views or not at all.
 bool moves(const std::vector<ServedGlint>& served, const std::string& light) {
   return std::all_of(served.begin(), served.end(), [&](const ServedGlint& one) {
     return one.light != light || (one.may_move && one.glint.field == nullptr);
@@ -81,8 +81,8 @@ class LampSearch {
  private:
   struct Place {
     Eigen::Vector3d position_mm{0, 0, 0};
-    std::vector<Lean> leans;  // one of each view served
-    double cost = 0;          // of itself: the face's shine where half vectors lean little
+    std::vector<Lean> leans;  // one per view served
+    double cost = 0;          // of the position itself: the face's reflection if half vectors tilt little
   };
   struct Lamp {
     std::string id;
@@ -99,8 +99,8 @@ class LampSearch {
 
   void list_places(Lamp& lamp) const {
     constexpr int kStep_deg = 5, kLowest_deg = 15, kHighest_deg = 85;
-    constexpr double kHead = 20 * kDegree_rad;   // nearer than that, who looks stands in the light
-    constexpr double kShine = 20 * kDegree_rad;  // the plain face's own shine is small from here on
+    constexpr double kHead = 20 * kDegree_rad;   // below this angle, the observer blocks the light
+    constexpr double kShine = 20 * kDegree_rad;  // the plain face's own reflection is small from here on
     const double distance = (served_[lamp.serves.front()].glint.light_mm - p_mm_).norm();
     for (int height = kLowest_deg; height <= kHighest_deg; height += kStep_deg)
       for (int azimuth = 0; azimuth < 360; azimuth += kStep_deg) {
@@ -127,12 +127,13 @@ class LampSearch {
       leans_[lamps_[l].serves[n]] = lamps_[l].places[to].leans[n];
   }
 
-  // What a lamp's places cost beside the others as they are: squares, so that the worst pairs count most.
+  // Puts a lamp at its cheapest position relative to the others' present ones. Costs are squares, so the worst pairs
+  // count most.
   double put_best(std::size_t l, std::size_t& at) {
     const std::vector<std::size_t>& own = lamps_[l].serves;
     std::vector<char> is_own(leans_.size(), 0);
     for (const std::size_t i : own) is_own[i] = 1;
-    double others = 0;  // what they share among themselves stays
+    double others = 0;  // costs between the other lamps are constant
     for (std::size_t a = 0; a < leans_.size(); ++a)
       for (std::size_t b = a + 1; b < leans_.size(); ++b)
         if (!is_own[a] && !is_own[b]) others += shared(leans_[a], leans_[b]);

@@ -9,16 +9,16 @@
 namespace burin {
 
 double black_for(double contrast) {
-  constexpr double kBlackEnough = 0.22;  // its light is a 28th of white's
-  constexpr double kShare = 0.8;         // docs/results/light.md: more costs PSNR, less brings less
-  constexpr double kLeast = 0.03;        // less is not worth a word
+  constexpr double kBlackEnough = 0.22;  // its light is 1/28 of white's
+  constexpr double kShare = 0.8;         // docs/results/light.md: more costs PSNR, less helps less
+  constexpr double kLeast = 0.03;        // a smaller lift is negligible
   const double black = kShare * (std::pow(std::max(1.0, contrast), -1 / 2.2) - kBlackEnough);
   return black < kLeast ? 0 : black;
 }
 
 std::vector<Finding> lift_blacks(std::vector<WorkView>& views, double share, const LossWeights& weights) {
   std::vector<Finding> out;
-  std::vector<double> blacks;  // of the spec's views: eyes that stand aside, which come behind, see the same picture
+  std::vector<double> blacks;  // of the spec's views: off-axis viewpoints come later and have the same picture
   for (WorkView& v : views) {
     if (blacks.size() <= v.of) blacks.resize(v.of + 1, 0.0);
     double& black = blacks[v.of];

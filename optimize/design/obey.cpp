@@ -10,7 +10,7 @@
 namespace burin {
 namespace {
 
-constexpr int kRounds = 6;  // of placing what was dropped; each finds a place for about half of it
+constexpr int kRounds = 6;  // of re-insertion; each finds a place for about half of the dropped scratches
 
 std::vector<std::size_t> rows_without(std::size_t count, const std::vector<std::size_t>& rows) {
   std::vector<std::size_t> others;
@@ -41,7 +41,7 @@ Obeying obey(const Scratches& scratches, const CarvingLimits& limits, std::vecto
     std::vector<StrokeView> light = stroke_views(views, log_exposure, false);
     const std::vector<Stroke> strokes = place_strokes(light, rules, left_over.size(), seed + round, stop);
     if (strokes.empty()) break;
-    // Those that are lawful come first, so that they stay as they are; the new ones follow by what they bring.
+    // Valid scratches come first, so that they stay as they are; new ones follow by their gain.
     Scratches all = scratches;
     std::vector<double> value(scratches.size(), 0.0);
     for (std::size_t k = 0; k < out.rows.size(); ++k) {

@@ -11,7 +11,7 @@
 namespace burin {
 namespace {
 
-constexpr double kMost = 40, kUsual = 16;  // pixels to a stroke
+constexpr double kMost = 40, kUsual = 16;  // pixels per stroke
 constexpr double kAcuity_rad = 1.5 / 60 * kDegree_rad;
 constexpr int kStillAPicture = 64;  // along the longer side
 
@@ -25,7 +25,7 @@ int longer_side(const std::vector<WorkView>& views) {
   return std::max(one.width, one.height);
 }
 
-// From where eyes no longer tell neighboring pixels apart.
+// Distance from which eyes no longer resolve neighboring pixels.
 std::string distance_m(double pixel_mm) { return fixed(1e-3 * pixel_mm / kAcuity_rad, 1) + " m"; }
 
 }  // namespace

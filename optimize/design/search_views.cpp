@@ -1,4 +1,4 @@
-// What the search sees of a design's views (design_views.h): each under each of its lights.
+// The search's input from a design's views (design_views.h): each view under each of its lights.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -12,7 +12,7 @@
 namespace burin {
 namespace {
 
-// As the search sees a view (or channel) under one of its lights: light, unit and weight at an exposure.
+// A view (or channel) under one of its lights as the search's input: light, unit and weight at an exposure.
 StrokeAside seen_under(const WorkView& v, const WorkLamp& lamp, double log_exposure, bool from_face, int picture) {
   StrokeAside out{lamp.glint,       from_face ? v.face : v.radiance,
                   lamp.unit,        v.spec.weight * v.share * v.balance,
@@ -29,7 +29,7 @@ bool any_in_color(const std::vector<WorkView>& views) {
   return std::any_of(views.begin(), views.end(), [](const WorkView& v) { return v.channels > 1; });
 }
 
-// What a scratch of the best direction brings of each light, a view's lamps.
+// Mean light of a scratch of the best direction, for each view's lamps.
 std::vector<std::vector<double>> mean_units(const std::vector<WorkView>& views) {
   std::vector<std::vector<double>> out(views.size());
   for (std::size_t i = 0; i < views.size(); ++i)
@@ -37,7 +37,7 @@ std::vector<std::vector<double>> mean_units(const std::vector<WorkView>& views) 
   return out;
 }
 
-// A ghost as the search sees it, in a view whose mask is that one.
+// A ghost as input of the search. It gets the mask of its own picture if that differs from the view's.
 StrokeAside with_its_mask(StrokeAside seen, const Image& own, const Image& mask) {
   if (own.data != mask.data) seen.mask = own;
   return seen;
@@ -60,7 +60,7 @@ void find_ghosts(std::vector<WorkView>& views, double alpha, const Eigen::Vector
         if (i == k || units[i].empty()) continue;
         std::pair<double, WorkGhost> most{0, {i, 0}};
         const double white = std::max(*std::max_element(units[i].begin(), units[i].end()), 1e-300);
-        WorkLamp* itself = nullptr;  // the same light in another channel: it stands in the view anyway
+        WorkLamp* itself = nullptr;  // the same light in another channel, which is part of the view anyway
         for (std::size_t l = 0; l < units[i].size(); ++l) {
           WorkLamp& lamp = views[i].lamps[l];
           if (views[i].of == views[k].of && lamp.light == own.light) itself = &lamp;
@@ -70,7 +70,7 @@ void find_ghosts(std::vector<WorkView>& views, double alpha, const Eigen::Vector
           if (shows > most.first) most = {shows, {i, l}};
         }
         if (itself != nullptr) {
-          // A picture stands in a view once: by its own light there, or by another that shows its scratches more.
+          // A picture occurs in a view once: under its own light there, or under another that shows its scratches more.
           itself->outshone = &views[i].lamps[most.second.lamp] != itself && most.first > 0;
           if (itself->outshone) own.ghosts.push_back(most.second);
         } else if (most.first > kLittle) {
@@ -98,8 +98,9 @@ std::vector<StrokeView> stroke_views(const std::vector<WorkView>& views, const s
                       color ? static_cast<int>(i) : -1);
   };
   std::vector<StrokeView> out;
-  std::map<std::pair<std::size_t, std::size_t>, std::size_t> place;  // of a view of the spec under one of its lights
-  // Those that lead first, then what else is seen of each.
+  // Index of a view of the spec under one of its lights.
+  std::map<std::pair<std::size_t, std::size_t>, std::size_t> place;
+  // Leading lights come first, then the other pictures of each.
   for (const bool leading : {true, false})
     for (std::size_t i = 0; i < views.size(); ++i)
       for (std::size_t l = 0; l < views[i].lamps.size(); ++l) {
@@ -136,7 +137,7 @@ std::vector<StrokeView> stroke_views(const std::vector<WorkView>& views, const s
 }
 
 void balance_views(std::vector<WorkView>& views, const std::vector<double>& log_exposure, double exponent) {
-  constexpr double kMost = 8;  // no view is given up for another
+  constexpr double kMost = 8;  // no view is sacrificed for another
   for (WorkView& v : views) v.balance = 1;
   if (exponent == 0) return;
   // A view's errors are those of its own pictures.

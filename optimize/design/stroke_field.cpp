@@ -17,14 +17,13 @@
 namespace burin {
 namespace {
 
-constexpr int kRows = 32;  // that a task works on
+constexpr int kRows = 32;  // rows per task
 
 BURIN_MACHINE_CLONES void show_row(std::size_t n, const float* __restrict light, float* __restrict shown) {
   for (std::size_t i = 0; i < n; ++i) shown[i] = shown_light(light[i]);
 }
 
-// Light, what is shown, and by how much the error falls when a stroke crosses pixels over these lengths around these
-// middles.
+// Light, shown value and decrease of the error if a stroke crosses pixels over these lengths around these middles.
 BURIN_MACHINE_CLONES void light_with(int n, const float* __restrict middle, const float* __restrict length, float start,
                                      float slope, float weight, const float* __restrict unit,
                                      const float* __restrict target, const float* __restrict shown,
@@ -65,16 +64,16 @@ std::vector<float> squared(const Image& mask) {
   return out;
 }
 
-// A straight way over pixels: at s along a line (in pixels) it goes from one pixel to the next.
+// A straight path over pixels: at s along a line (in pixels) it passes from one pixel to the next.
 struct Line {
   Eigen::Vector2d at, along;  // in pixels of the grid, y down; `along` has length 1
 };
 
-// visit(column, row, s where the line enters, length inside) from its point on, until `most` pixels are gone.
-// (Amanatides & Woo, Eurographics 1987.) Which border comes next is no branch: nobody could guess it.
+// Calls visit(column, row, s at the line's entry, length inside) from the line's point on, for `most` pixels of length
+// (Amanatides & Woo, Eurographics 1987). The choice of the next border is no branch, because it would be unpredictable.
 template <typename Visit>
 void walk(const Line& line, double most, const Visit& visit) {
-  // A nudge decides which pixel a start on a border belongs to.
+  // A small offset decides the pixel of a start on a border.
   const Eigen::Vector2d inside = line.at + 1e-7 * line.along;
   const auto start = [&](int c, int cell, double& next, double& each, int& sign) {
     sign = line.along[c] > 0 ? 1 : -1;
@@ -210,7 +209,7 @@ double StrokeField::lobe_place(const GlintView& glint, const Eigen::Vector2d& p_
   return burin::lobe_place(glint, p_mm, u, rules_.alpha_at(p_mm));
 }
 
-// visit(part) for parts of at most kPart pixels.
+// Calls visit(part) for parts of at most kPart pixels.
 template <typename Visit>
 void StrokeField::each_part(const Eigen::Vector2d& a_mm, const Eigen::Vector2d& b_mm, float times, const PixelBox& box,
                             const Visit& visit) const {
@@ -232,13 +231,13 @@ void StrokeField::each_part(const Eigen::Vector2d& a_mm, const Eigen::Vector2d& 
     part.at[part.count] = static_cast<std::size_t>(y) * width_ + x;
     part.middle[part.count] = static_cast<float>(s + inside / 2);
     part.length[part.count] = times * static_cast<float>(inside);
-    part.count += box.contains(x, y) ? 1 : 0;  // else the next takes its place
+    part.count += box.contains(x, y) ? 1 : 0;  // else the next replaces it
     if (part.count == kPart) done();
   });
   done();
 }
 
-// What a part's pixels have and show with it, seen from a place, and by how much their errors fall.
+// Light and shown value of a part's pixels with the stroke, seen from one place, and the decrease of their errors.
 void StrokeField::with_part(const StrokePart& part, std::size_t k, const Lobe& lobe, bool uncut,
                             PartPixels& out) const {
   const StrokePixel* const pixels = pixels_[k].data();
@@ -254,7 +253,7 @@ void StrokeField::with_part(const StrokePart& part, std::size_t k, const Lobe& l
   }
   if (uncut && !by_kept_[k].empty())
     for (int n = 0; n < part.count; ++n) out.unit[n] *= by_kept_[k][part.at[n]];
-  // Whole packets: what lies beyond the last has no light.
+  // Whole SIMD vectors: entries beyond the last have no light.
   const int packets = (part.count + kPacket - 1) / kPacket * kPacket;
   for (; i < packets; ++i) out.light[i] = out.unit[i] = out.target[i] = out.shown[i] = 0;
   light_with(packets, part.middle, part.length, lobe.start, lobe.slope, weights_[k], out.unit, out.target, out.shown,
@@ -268,7 +267,7 @@ double StrokeField::cost_of(const StrokePart& part) const {
   return cost;
 }
 
-// Of all places, by how much the squared error falls; costs are not in it.
+// Decrease of the squared error over all places, without costs.
 double StrokeField::change(const StrokePart& part, const Lobe* lobes, bool uncut, StrokePixelsBefore* before) {
   double fell = 0;
   for (std::size_t k = 0; k < pixels_.size(); ++k) {
@@ -392,7 +391,7 @@ StrokeWindow StrokeField::window(const PixelBox& box) const {
   w.top_mm = static_cast<float>(corner_mm.y());
   w.pitch_x_mm = static_cast<float>(pitch_x_);
   w.pitch_y_mm = static_cast<float>(pitch_y_);
-  constexpr double kHair = 1e-5;  // floats' rounding must not break a machine's limits
+  constexpr double kHair = 1e-5;  // keeps floats' rounding within a machine's limits
   w.shortest = static_cast<float>(rules_.shortest_mm / pitch_x_ * (1 + kHair));
   w.longest = static_cast<float>(rules_.longest_mm / pitch_x_ * (1 - kHair));
   w.dimmest = static_cast<float>(rules_.dimmest);

@@ -2,7 +2,7 @@
 
 namespace burin {
 
-// One a file of its own instruction set; BURIN_X86_KERNELS where the build has the x86 ones.
+// One kernel per file and instruction set; BURIN_X86_KERNELS is defined if the build has the x86 ones.
 extern const TryStrokes try_strokes_generic;
 #ifdef BURIN_X86_KERNELS
 extern const TryStrokes try_strokes_avx2;

@@ -1,6 +1,7 @@
-// burin/optimize/design/stroke_kernel_impl.h - the kernel of stroke_kernel.h over a packet type. Included only by the
-// files that are compiled for one instruction set each (see burin/render/fast/packet_math.h), without fused
-// multiply-adds.
+// burin/optimize/design/stroke_kernel_impl.h - the kernel of stroke_kernel.h over a SIMD vector type.
+//
+// Only files that are compiled for one instruction set each include it (see burin/render/fast/packet_math.h). They use
+// no fused multiply-adds.
 #pragma once
 
 #include "burin/optimize/design/shown_light.h"
@@ -17,19 +18,19 @@ struct StrokeKernel {
     P x, y, z;
   };
 
-  // A line through pixels, and where the lobes stand along it: at s, q = start + slope s.
+  // A line through pixels, and the lobes' argument along it: at s, q = start + slope s.
   struct Line {
     P x, y, ux, uy;
     P start[kMostPlaces], slope[kMostPlaces];
   };
 
-  // One of the two ways that a line goes from its point's pixel: how far it has come, the border it meets next in x and
-  // in y, from one border to the next, and its steps.
+  // One of a line's two directions from its point's pixel: its present s, the next borders in x and in y, the distances
+  // between borders, and its steps.
   struct Way {
     P s, next_x, next_y, each_x, each_y, step_x, step_y, cell_x, cell_y;
   };
 
-  // The largest running sum of gains, and how far from the line's point it is reached.
+  // The largest running sum of gains, and its distance from the line's point.
   struct Best {
     P sum, at;
   };
@@ -103,7 +104,7 @@ struct StrokeKernel {
     return xsimd::min(P(1), exp2(P(kShownPower) * log2(xsimd::max(light, P(kLeastLight)))));
   }
 
-  // The half vector of the pixel that a point lies in, or of the picture's nearest.
+  // The half vector of the pixel that contains a point, or of the picture's nearest pixel.
   static Vector listed_half_vector(const StrokeWindow& window, const StrokePlace& place, const P& x_mm, const P& y_mm) {
     const auto within = [](const P& at, int size) {
       return xsimd::min(xsimd::max(xsimd::floor(at), P(0)), P(static_cast<float>(size - 1)));
@@ -112,7 +113,7 @@ struct StrokeKernel {
         within((x_mm - P(window.left_mm)) / P(window.pitch_x_mm) + P(static_cast<float>(window.column)), window.stride);
     const P row = within((P(window.top_mm) - y_mm) / P(window.pitch_y_mm) + P(static_cast<float>(window.row)),
                          window.picture_height);
-    // Too many for a float to count: the kernel's window is smaller than the picture may be.
+    // A float cannot index all pixels: a picture may be larger than the kernel's window.
     alignas(64) std::int32_t columns[P::size], rows[P::size];
     xsimd::to_int(column).store_aligned(columns);
     xsimd::to_int(row).store_aligned(rows);
@@ -123,7 +124,7 @@ struct StrokeKernel {
     return {out[0], out[1], out[2]};
   }
 
-  // The sum of the unit vectors to eye and lamp, which is along the half vector.
+  // The sum of the unit vectors to eye and lamp, which is parallel to the half vector.
   [[gnu::always_inline]] static Vector half_vector(const StrokeWindow& window, const StrokePlace& place, const P& x_mm,
                                                    const P& y_mm) {
     if (place.half_vectors != nullptr) return listed_half_vector(window, place, x_mm, y_mm);
@@ -143,7 +144,7 @@ struct StrokeKernel {
     return P(1) / (x * xsimd::sqrt(x));
   }
 
-  // The four numbers of each lane's pixel.
+  // The four values of each lane's pixel.
   [[gnu::always_inline]] static void pixels_at(const StrokePixel* corner, const std::int32_t* index, P (&out)[4]) {
     packet::four_columns<P>(out, [&](int lane) { return &corner[index[lane]].light; });
   }
@@ -154,9 +155,9 @@ struct StrokeKernel {
     return P::load_aligned(matters);
   }
 
-  // Follows a line one way (sign 1: ahead, -1: behind), adding up what its pixels gain, until it has come its `limit`
-  // far, leaves the window, or gains nothing more for a while. Which lanes still go on decides only what is added up:
-  // a core looks for the next pixels before it knows. kPlain: one place, all pixels alike.
+  // Follows a line in one direction (sign 1: ahead, -1: behind) and sums the gains of its pixels. It ends after
+  // `limit`, at the window's edge, or after a while without gain. The mask of active lanes only selects the summands,
+  // so a core can load the next pixels early. kPlain: one place, all pixels equal.
   template <bool kPlain>
   [[gnu::always_inline]] static Best follow(const StrokeWindow& window, const Line& line, Way way, float sign,
                                             const P& limit, const Mask& wanted, Best best) {
@@ -174,14 +175,14 @@ struct StrokeKernel {
     while (packet::bits_of<P>(active) != 0) {
       alignas(64) std::int32_t index[P::size];
       xsimd::to_int(row * stride + column).store_aligned(index);
-      asm("" : "+m"(index));  // single lanes are slow to take out of a register
+      asm("" : "+m"(index));  // extracting single lanes from a register is slow
       const P until = xsimd::min(xsimd::min(way.next_x, way.next_y), limit);
       const P length = xsimd::max(until - way.s, P(0)), middle = P(sign) * (way.s + P(0.5F) * length);
       P gain(0), pixel[4];
       for (int k = 0; k < (kPlain ? 1 : window.places); ++k) {
         pixels_at(window.place[k].pixels, index, pixel);
         const P after = shown(pixel[0] + length * lobe(line.start[k] + line.slope[k] * middle) * pixel[1]);
-        // before^2 - after^2 of what is shown too much.
+        // before^2 - after^2 of the excess of the shown value.
         P fall = (pixel[3] - after) * ((pixel[3] - pixel[2]) + (after - pixel[2]));
         if (!kPlain && window.place[k].matters != nullptr) fall = fall * matters_at(window.place[k].matters, index);
         gain = kPlain ? fall : gain + P(window.place[k].weight) * fall;
@@ -221,7 +222,7 @@ struct StrokeKernel {
     const P front_x = xsimd::select(right, P(1) - in_x, in_x) * each_x;
     const P front_y = xsimd::select(down, P(1) - in_y, in_y) * each_y;
     const P step_x = xsimd::select(right, P(1), P(-1)), step_y = xsimd::select(down, P(1), P(-1));
-    // From where the line enters the point's pixel, so that no pixel is shared between the two ways.
+    // The start is the line's entry into the point's pixel, so the two directions share no pixel.
     const P entry = xsimd::min(back_x, back_y), half(0.5F * window.longest);
     const Mask across_x = back_x < back_y;
     const Best on =
@@ -239,13 +240,13 @@ struct StrokeKernel {
     gain = xsimd::select(long_enough, on.sum + back.sum, P(0));
   }
 
-  // 1 + q^2 that a try's stroke is turned to.
+  // Value of 1 + q^2 for a try's stroke.
   [[gnu::always_inline]] static P turned_to(const StrokeWindow& window, const StrokeTries& tries, int first,
                                             const Vector& h, const P& alpha, P& side) {
     const P brighter = P::load_unaligned(tries.brighter + first);
     const P old = lobe_place(h, P(tries.old_x), P(tries.old_y), alpha);
     const P near = (P(1) + old * old) * brighter;
-    // What the pixel lacks.
+    // Missing light of the pixel.
     alignas(64) std::int32_t index[P::size];
     alignas(64) float any[P::size];
     bool some = false;
@@ -253,12 +254,12 @@ struct StrokeKernel {
       const std::size_t lane = static_cast<std::size_t>(first) + i;
       any[i] = tries.anywhere[lane];
       some = some || any[i] != 0;
-      index[i] = any[i] == 0 ? 0  // near ones may lie outside
+      index[i] = any[i] == 0 ? 0  // near ones may be outside
                              : static_cast<std::int32_t>(tries.y[lane]) * window.stride +
                                    static_cast<std::int32_t>(tries.x[lane]);
     }
     const P most = exp2(P(-2.0F / 3) * log2(P(window.dimmest)));
-    // The side that the old stroke is turned to: by q's sign, seen from the end that (-h.y, h.x) points away from.
+    // Side of the old stroke's turn: the sign of q, seen from the end opposite to (-h.y, h.x).
     const Mask along = (P(tries.old_y) * h.x - P(tries.old_x) * h.y) > P(0);
     const P old_side = xsimd::select(along, P(1), P(-1)) * xsimd::select(old > P(0), P(-1), P(1));
     side = P::load_unaligned(tries.side + first);
@@ -286,7 +287,7 @@ struct StrokeKernel {
     const Vector h = half_vector(window, window.place[0], x_mm, y_mm);
     P side;
     const P q2 = turned_to(window, tries, first, h, alpha, side) - P(1);
-    // Turned by delta from the direction that glints best, across h's shadow: sin(delta) sin(lean) = alpha q.
+    // Turned by delta from the best direction, which is across h's projection: sin(delta) sin(lean) = alpha q.
     const P shadow2 = xsimd::max(h.x * h.x + h.y * h.y, P(1e-12F)), shadow = xsimd::sqrt(shadow2);
     const P norm = xsimd::sqrt(shadow2 + h.z * h.z);
     const P sine = side * xsimd::min(P(1), alpha * xsimd::sqrt(q2) * norm / shadow);
@@ -295,7 +296,7 @@ struct StrokeKernel {
     const P ux = ux_mm / pitch_x, uy = P(0) - uy_mm / pitch_y, per_mm = xsimd::sqrt(ux * ux + uy * uy);
     line.ux = ux / per_mm;
     line.uy = uy / per_mm;
-    // Lobes change along the line as if linearly between its ends at their furthest.
+    // Lobe arguments are interpolated linearly between the farthest ends of the line.
     const P reach(0.5F * window.longest), reach_mm = reach / per_mm;
     for (int k = 0; k < window.places; ++k) {
       const StrokePlace& place = window.place[k];

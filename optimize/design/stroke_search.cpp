@@ -27,7 +27,7 @@
 namespace burin {
 namespace {
 
-// Strokes between two looks at whether to stop: a fraction of a millisecond.
+// Strokes between two calls of `stop`: a fraction of a millisecond.
 constexpr std::size_t kAskEvery = 16;
 
 }  // namespace
@@ -40,7 +40,8 @@ std::uint64_t seed_of(std::uint64_t seed, std::size_t view, std::size_t step, st
 
 namespace {
 
-// Tiles' least side, pixels: several strokes long, so that most lie within one, and few enough pixels for the cache.
+// Smallest side of the tiles, pixels. It is several strokes long, so that most strokes fit into one, and small enough
+// for the cache.
 int tile_side(const StrokeField& field) {
   constexpr double kOfLongest = 0.6;
   constexpr unsigned kLeast = 64, kMost = 256;
@@ -48,7 +49,7 @@ int tile_side(const StrokeField& field) {
   return static_cast<int>(std::clamp(std::bit_ceil(wanted), kLeast, kMost));
 }
 
-// Tiles of a side, laid anywhere.
+// Tiles with this side at a random offset.
 Tiling tiling_of(const StrokeField& field, int side, SplitMix64& random) {
   const PixelBox whole = field.whole();
   Tiling tiling{side, 0, 0, whole.x1, whole.y1};
@@ -150,10 +151,10 @@ class ViewSweep {
     return {e.a, e.b, 0, 0};
   }
 
-  // Puts the best of several candidates in a stroke's place; false: it stays.
+  // Replaces a stroke by the best of several candidates; false: it stays.
   bool better(Stroke& stroke, StrokeTrier& trier) {
     trier.before().clear();
-    // What the error grows by without it: its worth, which a better one has to beat.
+    // The increase of the error without the stroke is its marginal contribution, which a better stroke has to beat.
     stroke.gain = -field_.add(stroke.a_mm, stroke.b_mm, -1, trier.box(), &trier.before());
     const Stroke best = trier.best_instead(stroke, rules_.candidates);
     if (same(best, stroke)) {
@@ -165,7 +166,7 @@ class ViewSweep {
     return true;
   }
 
-  // The same for two that meet: where one ends as the other begins, neither can give way alone.
+  // Replaces two strokes that meet: if one ends at the start of the other, neither can move alone.
   bool better(std::array<Stroke, 2>& pair, StrokeTrier& trier) {
     trier.before().clear();
     double fell = 0;
@@ -198,10 +199,10 @@ class ViewSweep {
   std::vector<char>& changed_;
 };
 
-// Places up to `count` strokes in one view, each in the tile where it is drawn to; returns them tile by tile.
+// Places up to `count` strokes in one view, distributed over tiles by missing light; returns them tile by tile.
 std::vector<Stroke> place_in_view(StrokeField& field, const StrokeRules& rules, std::size_t view, std::size_t count,
                                   std::uint64_t seed, Stopping& stop) {
-  constexpr int kTries = 20;  // times that no candidate gains anything, after which a tile is full
+  constexpr int kTries = 20;  // failures of all candidates, after which a tile is full
   SplitMix64 random(seed);
   const int most = std::max(1, kMostWindowPixels / std::max(1, field.whole().x1));
   const Tiling tiling = tiling_of(field, std::min(tile_side(field), most), random);
@@ -300,7 +301,7 @@ std::vector<StrokeField> stroke_fields(std::vector<StrokeView>&& views, const St
 std::vector<std::vector<std::size_t>> field_groups(const std::vector<StrokeField>& fields) {
   std::vector<std::vector<std::size_t>> groups;
   for (std::size_t v = 0; v < fields.size(); ++v) {
-    std::vector<std::size_t> mine;  // with all groups that it ties together
+    std::vector<std::size_t> mine;  // with all groups that it connects
     const auto tied = [&](const std::vector<std::size_t>& group) {
       return std::any_of(group.begin(), group.end(),
                          [&](std::size_t w) { return fields[v].shares_pictures_with(fields[w]); });
@@ -340,9 +341,9 @@ std::vector<Stroke> place_in(std::vector<StrokeField>& fields, const StrokeRules
                              std::uint64_t seed, const std::function<bool()>& stop) {
   if (fields.empty()) fail("stroke search", "there are no views", "give at least one");
   const std::size_t n = fields.size();
-  // Enough for views to compete, and for tiles to be laid anew.
+  // Enough rounds for a competition between views, and for new tilings.
   const std::size_t rounds = std::clamp<std::size_t>(count / (100 * n), 8, 40);
-  std::vector<double> marginal(n, 1.0);  // what a stroke of the last round gained
+  std::vector<double> marginal(n, 1.0);  // gain of a stroke in the last round
   std::vector<Stroke> all;
   Stopping stopping(stop);
   const std::vector<std::vector<std::size_t>> groups = field_groups(fields);
@@ -356,7 +357,7 @@ std::vector<Stroke> place_in(std::vector<StrokeField>& fields, const StrokeRules
         placed[v] = place_in_view(fields[v], rules, v, wanted[v], seed_of(seed, v, round, 0), stopping);
         double gained = 0;
         for (const Stroke& s : placed[v]) gained += s.gain;
-        // A view in which few find a place is nearly full.
+        // A view with few successful strokes is nearly full.
         marginal[v] = gained / static_cast<double>(wanted[v]);
       }
     });
@@ -414,7 +415,7 @@ std::vector<std::size_t> improve_strokes(std::vector<StrokeView>& views, const S
 
 namespace {
 
-// Of the pictures whose numbers `counted` has not seen; they are in it then.
+// Error of the pictures whose numbers are not in `counted`; the function adds them.
 double squared_error(const StrokeView& view, std::set<int>& counted) {
   double sum = 0;
   const auto add = [&](const Image& light, const Image& target, const Image& mask, double weight, int picture) {
@@ -464,7 +465,8 @@ std::vector<std::size_t> spare_order(std::vector<StrokeView> views, const Stroke
   const std::vector<std::size_t> view = views_of(fields, scratches);
   const std::vector<double> first = worth_in(fields, scratches, view);
   const auto price = [&](std::size_t i, double w) { return cost.empty() ? w : w / cost[i]; };
-  // Worth mostly grows when neighbors go, so an old one is looked at again before it counts (lazy greedy).
+  // Marginal contributions mostly grow when neighbors disappear, so an old value is updated before it counts (lazy
+  // greedy).
   using Entry = std::pair<double, std::size_t>;
   std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
   for (std::size_t i = 0; i < movable; ++i) queue.emplace(price(i, first[i]), i);

@@ -9,10 +9,10 @@
 namespace burin {
 namespace {
 
-constexpr double kAnywhere = 0.25;  // share of the candidates that do not lie near the old stroke
-constexpr double kHair = 1e-5;      // of a pixel, that ends stay inside their box, so that rounding cannot leave it
+constexpr double kAnywhere = 0.25;  // share of the candidates away from the old stroke
+constexpr double kHair = 1e-5;      // of a pixel: margin of ends to the edge of their box, larger than rounding
 
-// exp(-3.5 t) for t over (0, 1): steps of all sizes. Wide ones find new places, fine ones set strokes against their
+// exp(-3.5 t) for t over (0, 1): steps of all sizes. Wide ones find new places; fine ones align strokes with their
 // neighbors.
 constexpr std::size_t kScales = 64;
 const std::array<float, kScales>& scales() {
@@ -24,7 +24,7 @@ const std::array<float, kScales>& scales() {
   return table;
 }
 
-// Parts of a random number: 24 bits from `first` on, as a number in [0, 1).
+// 24 bits of a random number from `first` on, as a number in [0, 1).
 float fraction_of(std::uint64_t bits, int first) { return static_cast<float>((bits >> first) & 0xffffffU) * 0x1p-24F; }
 
 // Roughly normal, of variance 1.
@@ -57,7 +57,7 @@ void StrokeTrier::draw_anywhere(int lane) {
   const int columns = box_.x1 - box_.x0, column = k % columns, row = k / columns;
   const std::uint64_t bits = random_();
   const auto x = static_cast<float>(column), y = static_cast<float>(row);
-  // Within the pixel, whatever the sum is rounded to.
+  // Within the pixel for any rounding of the sum.
   tries_.x[lane] = std::min(x + fraction_of(bits, 0), std::nextafter(x + 1, x));
   tries_.y[lane] = std::min(y + fraction_of(bits, 24), std::nextafter(y + 1, y));
   tries_.brighter[lane] = 0.2F + static_cast<float>((bits >> 48) & 0x7fffU) * 0x1p-15F;
@@ -74,7 +74,7 @@ void StrokeTrier::draw_near(int lane, const Eigen::Vector2d& a, const Eigen::Vec
   const Eigen::Vector2d p = a + along * d + aside * across;
   tries_.x[lane] = static_cast<float>(p.x());
   tries_.y[lane] = static_cast<float>(p.y());
-  // exp(z), nearly, to the power -2/3 that takes a lobe to 1 + q^2.
+  // exp(z), approximately, to the power -2/3 that converts a lobe to 1 + q^2.
   const float z = -2.0F / 3 * 0.35F * scale * bell_of(random_());
   tries_.brighter[lane] = (2 + z) / (2 - z);
   tries_.anywhere[lane] = 0;

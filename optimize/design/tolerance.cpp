@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kMapPixels = 128, kMapPlaces = 9;
 
-// A view rendered from where eye and lamp are moved to.
+// A view rendered with moved eye and lamp.
 class MovedView {
  public:
   MovedView(const DesignSpec& spec, std::size_t index, const Board& board, const Bench& bench,
@@ -80,7 +80,8 @@ Axes axes_at(const Eigen::Vector3d& place_mm, const Board& board) {
   return axes;
 }
 
-// Where `lost` (dB, by distance) reaches kLostDb: doubled or halved to a bracket, then the secant, kept inside it.
+// The distance at which `lost` (dB, by distance) reaches kLostDb: doubling or halving gives a bracket, then the secant
+// method stays inside it.
 template <typename Lost>
 double range_of(const Lost& lost, double first_mm, double most_mm) {
   double inside = 0, outside = 0, lost_inside = 0, lost_outside = 0;
@@ -156,7 +157,7 @@ std::vector<ViewTolerance> measure_tolerance(const DesignSpec& spec, const Board
     t.lamp = {range(lamp.sideways, lamp.distance_mm, true), range(lamp.up, lamp.distance_mm, true),
               range(lamp.depth, lamp.distance_mm, true)};
     if (!stopped()) tell();
-    // The map shows the whole of the eye's range and as much again.
+    // The map shows twice the eye's range.
     const MovedView small(spec, k, board, bench, targets[k], kMapPixels, grooves);
     const double here = small.psnr(still, still);
     t.map_half_mm = 2 * std::min(t.eye.sideways.least(), t.eye.up.least());

@@ -21,7 +21,7 @@ double psnr_of(std::span<const WorkView> channels, const std::vector<double>& lo
   return color_psnr_db(shown_of(channels, best_exposures(channels, log_exposure)), target, channels[0].target.mask);
 }
 
-// By how much the view would come closer to its target if it were changed so.
+// Gain of a view in dB if its radiance were changed so.
 double lift_db(std::span<WorkView> channels, const std::vector<double>& log_exposure,
                const std::function<void(const WorkView&, Image& radiance)>& change) {
   const Image target = target_of(channels);
@@ -42,7 +42,7 @@ Image without_face(const WorkView& view, Image radiance) {
   return radiance;
 }
 
-// Whole grooves, dimmed as much as crossings dim those around them.
+// Whole grooves, dimmed by the mean loss at crossings around them.
 void cut_evenly(WorkView& view, const Carved& whole, Image& radiance) {
   constexpr double kAroundPx = 3;
   constexpr float kLittle = 1e-6F;

@@ -1,4 +1,4 @@
-// A design's views as pictures (design_views.h): what they show, and at which exposures.
+// The pictures of a design's views (design_views.h), and their exposures.
 #include <algorithm>
 #include <cmath>
 
@@ -9,7 +9,7 @@
 namespace burin {
 namespace {
 
-// The mean over its views of what `of` says of each, a group; `groups` in all.
+// Means of `of` over the views of each group; `groups` is their number.
 template <typename Of>
 std::vector<double> means_of_groups(const std::vector<WorkView>& views, std::size_t groups, const Of& of) {
   std::vector<double> sum(groups, 0.0), members(groups, 0.0);
@@ -34,10 +34,10 @@ double fitting_exposure(std::span<const WorkView> channels, double guess) {
 
 namespace {
 
-// The channel that says a channel's brightness where each has its own; they stand in a row.
+// The view whose exposure a channel uses, if each has its own; the channels are consecutive.
 const WorkView& exposing(const WorkView& v) { return v.channels == 1 ? v : *(&v - v.channel + v.exposed_by); }
 
-// One picture of what `of` says of each channel.
+// One picture from the picture `of` each channel.
 template <typename Of>
 Image joined_channels(std::span<const WorkView> channels, const Of& of) {
   if (channels.size() == 1) return of(0);
@@ -75,7 +75,7 @@ std::vector<double> best_exposures(std::span<const WorkView> channels, const std
 }
 
 std::vector<double> fitting_exposures(const std::vector<WorkView>& views, const std::vector<double>& log_exposure) {
-  double together = 0;  // of the channels that share an exposure, which stand in a row
+  double together = 0;  // for the consecutive channels that share an exposure
   return means_of_groups(views, log_exposure.size(), [&](const WorkView& v) {
     const double guess = std::exp(log_exposure[v.exposure_group]);
     if (v.channels == 1 || v.spec.white.kind == White::Kind::each)

@@ -17,7 +17,7 @@ std::vector<std::size_t> weak_scratches(std::vector<StrokeView> views, const Str
   std::size_t gone = 0;
   double rise = 0, light = 0;
   return spare_order(std::move(views), rules, scratches, movable, {}, [&](std::size_t i, double worth) {
-    if (++gone == movable || (stop && stop())) return false;  // one stays, whatever is asked
+    if (++gone == movable || (stop && stop())) return false;  // one always remains
     rise += std::max(0.0, worth);
     light += light_sum[i];
     return options.drop_share > 0   ? gone <= most
