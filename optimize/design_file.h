@@ -1,13 +1,17 @@
-// burin/optimize/design_file.h - the pictures that a board is to show: `design.json`. docs/file-formats.md.
+// burin/optimize/design_file.h - a request for a design: `design.json`. docs/file-formats.md.
 //
 //   { "format": "burin/design", "version": 1, "board": "board.json", "bench": "bench.json", "scratches": 40000,
 //     "views": [ { "view": "v00", "light": "lamp", "target": "cat.png", "rotation_deg": 0 } ] }
 //
-// Optional keys of a view: "fit": "cover" (default) or "contain", "keep": "top" (or "bottom", "left", "right",
-// "middle"), "levels": [black, white], "mask": "cat-mask.png" and "weight": 2 (factor of its errors; default 1).
-// "lights": ["sun", "room"] replaces "light" if several lights shine at once. "color": true shows the picture in color,
-// by lights of different colors at different places. "white" then names the white reference: "paper" (default), "each"
-// or a light [r, g, b].
+// Optional keys of a view:
+//   "fit"      "cover" (default) or "contain"
+//   "keep"     "top", "bottom", "left", "right" or "middle"
+//   "levels"   [black, white]
+//   "mask"     a file such as "cat-mask.png"
+//   "weight"   factor of its errors (default 1)
+//   "lights"   ["sun", "room"] instead of "light", if several lights shine at once
+//   "color"    true: the picture in color, by lights of different colors at different places
+//   "white"    of a picture in color, the white reference: "paper" (default), "each" or a light [r, g, b]
 #pragma once
 
 #include <Eigen/Core>
@@ -25,7 +29,7 @@ namespace burin {
 /// `contain` shows the whole picture on black.
 enum class Fit { cover, contain };
 
-/// The edge of a cropped picture that `cover` keeps, in the picture's own frame. `top` and `bottom` have no effect on a
+/// The edge kept by `cover` in a cropped picture, in the picture's own frame. `top` and `bottom` have no effect on a
 /// picture that loses width, `left` and `right` none on a picture that loses height.
 enum class Keep { middle, top, bottom, left, right };
 
@@ -43,7 +47,7 @@ struct TargetSpec {
   Fit fit = Fit::cover;
   std::optional<Keep> keep;                     ///< nothing: the middle, and the loader reports the crop
   std::optional<std::array<double, 2>> levels;  ///< gamma-encoded values that become black and white
-  std::filesystem::path mask;  ///< picture with white in the pixels that count and black elsewhere; empty: all count
+  std::filesystem::path mask;  ///< picture with white in the valid pixels and black elsewhere; empty: all valid
   Image mask_image{};          ///< the mask itself, if it has pixels; as `image`
 };
 

@@ -29,7 +29,7 @@ struct DesignFrame {
   std::vector<const Image*> pictures;  ///< one per view, gamma-encoded as optimized, valid during the call
   double seconds = 0;                  ///< since the design began
   /// Mean of the views, for the grooves as they will be cut. Nothing during the start, or if a search held the light
-  /// that crossings leave. Faint contributions stay fixed for some iterations, which can change it by a tenth of a dB.
+  /// after crossings. Faint contributions stay fixed for some iterations, which can change it by a tenth of a dB.
   std::optional<double> psnr_db{};
 };
 
@@ -82,7 +82,7 @@ struct DesignOptions {
   double lift_blacks = 1;
   bool optimize_width = false, optimize_depth = false, optimize_alpha = false;  ///< one value for all
   int contact_frames = 8;                                                       ///< iterations in the contact sheet
-  bool note_few_strokes = true;  ///< report strokes that are too few for the pixels (docs/design.md, "How many pixels")
+  bool note_few_strokes = true;  ///< report too few strokes for the pixels (docs/design.md, "How many pixels")
   MachineProfile carve_machine;  ///< machine of the carving time
   double time_limit_s = 0;  ///< wall-clock limit of the whole design: iterations stop in time for the rest; 0: no limit
   /// Initial scratches; their number replaces the spec's, and scratches marked as carved stay fixed.

@@ -33,7 +33,7 @@ struct DesignedView {
   double rotation_deg = 0;  ///< counter-clockwise, with "viewer" resolved
   Image target;
   Image start, shown;            ///< at exposure_start and best_exposure
-  Image achievable;              ///< the target within the contrast that the plain face allows
+  Image achievable;              ///< the target within the plain face's contrast
   double exposure = 0;           ///< as optimized: picture = (exposure * radiance)^(1 / 2.2)
   double best_exposure = 0;      ///< the scalar with which `shown` is closest to the target
   double psnr_db = 0, ssim = 0;  ///< of `shown`
@@ -50,7 +50,7 @@ struct DesignIteration {
   double loss = 0;
   std::vector<double> view_loss;
   double seconds = 0;  ///< since the first iteration began
-  /// The loss is of grooves as they will be cut. Otherwise it uses the light that crossings left at the last check.
+  /// The loss is of grooves as they will be cut. Otherwise it uses the light after crossings at the last check.
   bool as_carved = true;
 };
 
@@ -74,7 +74,7 @@ struct DesignResult {
   std::vector<ViewTolerance> tolerance;  ///< one per view, if requested
   std::vector<CarvingPoint> curve;       ///< from all scratches down, if requested
   std::vector<DesignIteration> history;  ///< the loss is the value before each iteration's step
-  int eye_px = 0;         ///< pixels along the carve area's longer side that an eye at a viewpoint resolves
+  int eye_px = 0;         ///< resolution of an eye at a viewpoint, in pixels along the carve area's longer side
   double eye_from_m = 0;  ///< distance of these eyes; a farther eye resolves fewer
   std::vector<ContactFrame> frames;
   std::vector<Finding> findings;                             ///< on bench, pictures and the run
@@ -82,7 +82,7 @@ struct DesignResult {
   double loss_before_drop = 0;                               ///< at the time of pruning; 0 without pruning
   std::size_t started_with = 0, dropped = 0, relocated = 0;  ///< of the new ones
   std::size_t carved = 0;                                    ///< existing grooves among the scratches
-  /// Scratches that violated a limit and were removed, not counted in `dropped`.
+  /// Scratches removed for a violated limit, not counted in `dropped`.
   std::array<std::size_t, kRules> dropped_by_rule{};
   std::size_t pairs = 0;         ///< (pixel, scratch) pairs of the last iteration, all views
   double iteration_seconds = 0;  ///< time of the iterations

@@ -1,5 +1,5 @@
 // burin/optimize/machine_measured.h - a coupon's measurement of a machine (burin coupon): the object "measured" of a
-// burin/machine file, and the depth table that follows from it. docs/file-formats.md, "A carving machine".
+// burin/machine file, and the resulting depth table. docs/file-formats.md, "A carving machine".
 #pragma once
 
 #include <optional>

@@ -75,7 +75,7 @@ std::optional<MachineProfile> built_in(const std::string& name) {
   return std::nullopt;
 }
 
-// The blocks of a head that a servo presses: S changes, Z stays.
+// The blocks of a servo's head: S changes, Z stays.
 void press_by_servo(MachineProfile& machine) {
   const bool marlin = machine.dialect == GcodeDialect::marlin;
   const std::string dwell = marlin ? "G4 P{dwell_ms}" : "G4 P{dwell_s}";

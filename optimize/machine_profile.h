@@ -81,8 +81,8 @@ struct MachineLimits {
   double step_mm = 0;      ///< both commanded ends are multiples of it
   double shortest_mm = 0;  ///< of a scratch
   double longest_mm = 0;
-  double distance_mm = 0;  ///< least distance between scratches that do not cross
-  double max_overlap = 0;  ///< largest share of a groove that others cut away
+  double distance_mm = 0;  ///< least distance between scratches without a crossing
+  double max_overlap = 0;  ///< largest share of a groove cut away by others
   int max_grooves = 0;     ///< over one place
 };
 
@@ -103,7 +103,7 @@ struct MachineProfile {
   int max_lines = 95000;              ///< per file; longer jobs are split. 0: no limit
   int max_line_characters = 0;        ///< longest line of the controller, without its end. 0: its dialect's
   bool laser = false;                 ///< the tool replaces a laser: no file may turn the beam on
-  std::vector<int> other_m_codes;     ///< additional M codes that its files may hold; they move nothing
+  std::vector<int> other_m_codes;     ///< additional M codes permitted in its files; they move nothing
   double force = 0;                   ///< of heads that press, in the unit of {force} in the blocks
   DepthTable depth_table;             ///< of spring, drag and servo
   double servo_up = 0;                ///< S that lifts a servo's head

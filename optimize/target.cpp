@@ -33,7 +33,7 @@ Image linear_luminance(const Image& in_memory, const std::filesystem::path& file
   return in_memory.width <= 0 ? read_linear_luminance(file) : luminance(linear_picture(in_memory, name));
 }
 
-// The same with separate red, green and blue.
+// Linear red, green and blue of an image in memory or of a file, separately.
 std::vector<Image> linear_channels(const Image& in_memory, const std::filesystem::path& file, const std::string& name) {
   const Image picture = in_memory.width <= 0 ? read_linear_picture(file) : linear_picture(in_memory, name);
   std::vector<Image> out(3, Image(picture.width, picture.height, 1));

@@ -51,7 +51,7 @@ std::vector<Target> load_color_target(const TargetSpec& spec, double rotation_de
 /// becomes up in the picture.
 double viewer_rotation_deg(const View& view, const Eigen::Vector2d& p_board_mm);
 
-/// The best version of a target that a bench can show: linear light is clamped from below at `floor`, the plain face's
+/// The best possible version of a target on a bench: linear light is clamped from below at `floor`, the plain face's
 /// light relative to white. It reveals hopeless targets (dark pictures on a bright face) before the run.
 Image within_contrast(const Image& target, const Image& floor);
 

@@ -33,8 +33,8 @@ fs::path part_file(const fs::path& out, std::size_t part, std::size_t parts) {
   return out.parent_path() / (out.stem().string() + "-" + number + out.extension().string());
 }
 
-/// Files that an earlier run for `out` left and this one does not replace: a person could carve them. A file with such
-/// a name may belong to another job, so its head has to name it as exactly this part of several.
+/// Leftover files of an earlier run for `out`: a person could carve them. A file with such a name may belong to another
+/// job, so its head has to name it as exactly this part of several.
 std::vector<fs::path> stale_files(const fs::path& out, const std::vector<fs::path>& written) {
   constexpr std::uintmax_t kHead = 1 << 14;
   const fs::path folder = out.has_parent_path() ? out.parent_path() : fs::path(".");
@@ -81,7 +81,7 @@ void fail_unless_drawn(const ToolpathOptions& options, const std::string& extens
   unable(options.part_s > 0, "parts (--chunks)");
 }
 
-/// Reports that a drawing puts different depths on different layers.
+/// Reports the layers of a drawing with different depths.
 void add_drawing_findings(const DrawingLayers& layers, const fs::path& out, std::vector<Finding>& findings) {
   if (layers.names.size() < 2) return;
   findings.push_back({Finding::Severity::note, out.string(),

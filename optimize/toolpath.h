@@ -3,7 +3,7 @@
 // Machine coordinates are the board's (burin/optimize/machine_profile.h). With a measured bench, the commanded
 // trajectory is the designed scratch through the inverse of `machine.affine`. The carved scratch is then at its
 // designed place (docs/model.md 7.2). Commanded depths are relative to the board's believed depth. The measured depth
-// (`material.depth_um`) is the machine's answer to that command, so scratches with depths of their own are scaled by
+// (`material.depth_um`) is the machine's answer to this command, so scratches with depths of their own are scaled by
 // believed / measured. Sending the measured depth as the new command would deepen the grooves from round to round.
 #pragma once
 
@@ -31,8 +31,8 @@ struct ToolpathReport {
   Eigen::Vector2d min_mm, max_mm;
   std::vector<CarvingStep> order;
   Sent sent;                              ///< the commanded trajectory in carving order: the content of sent.csv
-  std::vector<ReplayedScratch> replayed;  ///< of G-code: the scratches that the files carve, read back from the disk
-  bool kept_order = false;                ///< whether the order is that of the given scratches
+  std::vector<ReplayedScratch> replayed;  ///< of G-code: the scratches in the files, read back from the disk
+  bool kept_order = false;                ///< whether the order is the given scratches' own
   bool compensated = false;
   std::size_t already_carved = 0;
   double stepped_mm = 0;
@@ -48,12 +48,12 @@ struct ToolpathReport {
 /// parts or a face to follow: these options then throw Error.
 ///
 /// G-code of several parts becomes out-01.gcode, out-02.gcode, ... Leftovers of an earlier run with that name are
-/// removed: the whole file if there are parts, and files whose head names them as this part of several. After an
-/// interruption no other file is removed, and `out` may not be the interrupted one.
+/// removed. These are the undivided file if there are parts, and files whose head names them as this part of several.
+/// After an interruption no other file is removed, and `out` may not be the interrupted one.
 ///
 /// G-code is read back from the disk and replayed before it gets its name. Throws Error, and writes nothing, if a
-/// scratch is lost, doubled, mirrored or too deep. Also throws Error for G-code with a fixed Z if the sheet is known to
-/// be less even than that depth (toolpath/sheet.h).
+/// scratch is lost, doubled, mirrored or too deep. Also throws Error for G-code with a fixed Z if the known unevenness
+/// of the sheet exceeds the depth (toolpath/sheet.h).
 ToolpathReport write_toolpath(const Scratches& scratches, const Board& board, const Bench* measured,
                               const MachineProfile& machine, const ToolpathOptions& options,
                               const std::filesystem::path& out, const Progress& progress = {});

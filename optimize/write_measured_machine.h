@@ -10,10 +10,10 @@
 
 namespace burin {
 
-/// Writes `machine` (a built-in name or a file) with the measurement, and the depth table that follows from it, to the
-/// JSON file `out`. The write is atomic, and the file is read again before it gets its name. If `out` is the machine's
-/// own file, a copy of its former content stays next to it, and the function returns the copy's path. Throws Error for
-/// an `out` that exists and is another file, and for a name without .json.
+/// Writes `machine` (a built-in name or a file) with the measurement and the resulting depth table to the JSON file
+/// `out`. The write is atomic, and the file is read again before it gets its name. If `out` is the machine's own file,
+/// a copy of its former content stays next to it, and the function returns the copy's path. Throws Error for an
+/// existing `out` of another machine, and for a name without .json.
 std::optional<std::filesystem::path> write_measured_machine(const std::string& machine, const MachineMeasured& measured,
                                                             const std::filesystem::path& out);
 

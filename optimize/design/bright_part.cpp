@@ -38,8 +38,8 @@ bool glints_along_lines(const WorkView& view, const Bench& bench) {
 
 bool bright_part_shows(const WorkView& view, const Bench& bench, const Board& board) {
   if (!glints_along_lines(view, bench)) return false;
-  double sent =
-      0;  // Light of a groove in its best direction, per mm; the face light that it covers must be small in comparison
+  // Light of a groove in its best direction, per mm; the covered face light must be small in comparison.
+  double sent = 0;
   for (const WorkLamp& lamp : view.lamps) sent = std::max(sent, mean_value(lamp.unit));
   const double width_mm = 2e-3 * half_width_um(bench.material.profile, board.tool_width_um, bench.material.depth_um);
   const double brightest = *std::max_element(view.face.data.begin(), view.face.data.end());

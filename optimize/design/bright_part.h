@@ -25,8 +25,8 @@ inline constexpr int kOthersEvery = 16;  ///< iterations between renderings of t
 struct BrightPart {
   bool apart = false;             ///< whether bright and faint grooves are separate; if not, all are bright
   std::vector<std::size_t> rows;  ///< of the carved grooves, ascending
-  Carved grooves;                 ///< these rows, or the pieces that others leave of them
-  Image others;                   ///< radiance that all other grooves add, as last rendered; no pixels: not yet
+  Carved grooves;                 ///< these rows, or their remaining pieces
+  Image others;                   ///< additional radiance of all other grooves, as last rendered; no pixels: not yet
   ScratchGradients gradients;     ///< by `grooves`
 };
 
@@ -35,12 +35,12 @@ struct BrightPart {
 bool glints_along_lines(const WorkView& view, const Bench& bench);
 
 /// Whether the view's half vectors can separate its bright grooves. All its lights must be point lamps and the board
-/// flat. The face light that a groove covers must be less than a twentieth of the groove's own light in its best
+/// flat. The covered face light of a groove must be less than a twentieth of the groove's own light in its best
 /// direction.
 bool bright_part_shows(const WorkView& view, const Bench& bench, const Board& board);
 
-/// Rows of grooves that send a view at least a two-hundredth of the light of their best direction (lobe() at their
-/// middles, for the lamp with the most). None if no light of the view is a lamp.
+/// Rows of grooves with at least a two-hundredth of their best direction's light in a view (lobe() at their middles,
+/// for the lamp with the most). None if no light of the view is a lamp.
 std::vector<std::size_t> bright_rows(const WorkView& view, const Bench& bench, const Scratches& grooves);
 
 /// Renders a view into its radiance: the bright grooves, plus the held light of the others. The others are rendered too

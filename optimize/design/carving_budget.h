@@ -17,7 +17,7 @@
 
 namespace burin {
 
-/// Seconds that each scratch costs; their sum is carving_time_s().
+/// Costs of the scratches, s; their sum is carving_time_s().
 std::vector<double> carving_costs_s(const Scratches& scratches, double depth_um, const MachineProfile& machine);
 
 /// The scratches among the first `movable` whose removal saves at least `save_s` with the smallest loss, ascending. One

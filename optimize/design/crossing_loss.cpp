@@ -66,9 +66,9 @@ void forget_crossings(std::vector<WorkView>& views) {
 }
 
 Image crossing_cost(const std::vector<WorkView>& views, const std::vector<double>& log_exposure) {
-  // Of two crossing grooves, each keeps half of the shared part.
+  // Each of two crossing grooves keeps half of the shared part.
   constexpr float kTaken = 0.5F;
-  // The removed light is not spread evenly over one or two pixels, which causes errors that no exposure corrects.
+  // The removed light is not spread evenly over one or two pixels, so no exposure corrects its errors.
   constexpr float kUneven = 0.2F;
   if (views.front().crossings.kept.data.empty()) return {};
   const auto cover = static_cast<float>(views.front().crossings.cover);

@@ -5,8 +5,8 @@
 namespace burin {
 
 std::optional<std::size_t> fewer_strokes(std::size_t strokes, double a_stroke, double cover) {
-  // Pixels per stroke for each time that the board is covered. Measured on pictures that cover it 0.4 to 2 times: 3 to
-  // 6 pixels show most, and 2 lose up to 8 dB.
+  // Pixels per stroke, divided by the coverage of the board. Measured at a coverage of 0.4 to 2: 3 to 6 pixels show
+  // most, and 2 lose up to 8 dB.
   constexpr double kTooFew = 4, kEnough = 5;
   if (!(a_stroke < kTooFew * cover)) return std::nullopt;
   // More strokes are shorter ones, so their covered area grows by about the cube root of their number.

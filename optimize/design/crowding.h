@@ -1,8 +1,8 @@
-// burin/optimize/design/crowding.h - number of strokes that fit a board if grooves cut each other's rims away.
+// burin/optimize/design/crowding.h - number of strokes for a board if grooves cut each other's rims away.
 // docs/design.md, 'Where grooves cut each other's rims away'.
 //
-// Each added stroke takes light from the strokes that it crosses. If strokes are few for their pictures, its own light
-// is worth more than this, on any crowded board. If they are many, it only makes the others' light uneven.
+// Each added stroke takes light from the crossed strokes. If strokes are few for their pictures, its own light is worth
+// more than this, on any crowded board. If they are many, it only makes the others' light uneven.
 #pragma once
 
 #include <cstddef>
@@ -14,7 +14,7 @@ namespace burin {
 /// how many times the grooves, side by side, would cover the carve area.
 std::optional<std::size_t> fewer_strokes(std::size_t strokes, double a_stroke, double cover);
 
-/// Whether the pixels are so fine that the strokes for them leave each other no light.
+/// Whether the strokes for such fine pixels would leave each other no light.
 bool pixels_crowd(double cover);
 
 }  // namespace burin

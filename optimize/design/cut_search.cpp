@@ -148,7 +148,7 @@ class CutTile {
     return fell;
   }
 
-  // Removes line k: the lines that it cut get their light back.
+  // Removes line k: its cuts in other lines end, and their light returns.
   double take_out(std::uint32_t k) {
     double fell = light(k, 0, lines_[k].length, kNone, -1);
     theirs_.clear();
@@ -219,9 +219,9 @@ class CutTile {
   std::vector<GlintLine> lines_;
   std::vector<std::size_t> views_;                  // for which each line is made
   std::vector<std::vector<GlintCut>> cuts_;         // for each line
-  std::vector<std::vector<std::uint32_t>> cut_by_;  // for each line: the lines that it cuts, and former ones
+  std::vector<std::vector<std::uint32_t>> cut_by_;  // for each line: the lines cut by it, now or earlier
   std::vector<std::uint32_t> seen_, near_;
-  std::vector<GlintCut> own_;  // cuts in and by the line that was removed last
+  std::vector<GlintCut> own_;  // cuts in and by the last removed line
   std::vector<std::pair<std::uint32_t, GlintCut>> theirs_;
   std::uint32_t visit_ = 0;
   std::vector<std::pair<double, double>> inside_;

@@ -4,8 +4,7 @@
 // Seen from one place, a groove glints along one line: there its wall has the slope of the half vector. Another groove
 // takes this light if its surface is lower, on a stretch of the line at each crossing (docs/model.md 6.11). The
 // remaining pieces of every groove therefore follow stroke by stroke, without rendering. Removed strokes give light
-// back to the strokes that they cut, and inserted ones take light from them. The comparison uses the error of all
-// views.
+// back to their crossed strokes, and inserted ones take it from theirs. The comparison uses the error of all views.
 //
 // Candidates come from stroke_tries.h, with the mean loss at crossings. Frame: board, mm. The same seed gives the same
 // bits for any number of threads.

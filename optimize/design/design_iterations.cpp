@@ -23,7 +23,7 @@
 namespace burin {
 namespace {
 
-constexpr int kBudgetSteps = 6;  // steps of pruning, so that the remaining scratches can compensate
+constexpr int kBudgetSteps = 6;  // steps of pruning; the remaining scratches compensate in between
 
 // Part of the iterations from which cut rims count exactly, and part at which the carving order is settled. A new order
 // changes the upper groove of crossings. The second half of the iterations compensates for this. Less is not enough
@@ -114,7 +114,7 @@ void DesignRun::count_time() {
   part_ = std::max(part_, time_part_ > (iteration_ + 1) / all ? time_part_ : by_number);
 }
 
-// Pruning precedes the end, so that the last iterations compensate for it.
+// Pruning precedes the end, and the last iterations compensate for it.
 bool DesignRun::is_time_to_drop() const {
   if (weak_dropped_ || iteration_ == 0) return false;
   return iteration_ == drop_at_ || time_part_ >= options_.drop_at;
@@ -347,7 +347,7 @@ bool DesignRun::count_rims() {
   return true;
 }
 
-// Before cuts count, the light that they leave is rendered now and then.
+// Before cuts count, their effect is rendered now and then.
 void DesignRun::look_at_crossings() {
   constexpr int kEvery = 5;
   if (rims_count_ || iteration_ % kEvery != 0) return;

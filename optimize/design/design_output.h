@@ -5,7 +5,7 @@
 //   preview-VIEW.png         predicted picture of the view
 //   preview-VIEW-start.png   the same at the start
 //   target-VIEW.png
-//   achievable-VIEW.png      the target within the contrast that the plain face allows
+//   achievable-VIEW.png      the target within the plain face's contrast
 //   contact-sheet.png        one row per view, one column per iteration; the target ends the row
 //   design-report.json
 //
@@ -16,12 +16,11 @@
 //   dropped_by_limits: { "overlap": 12 }                                   by the machine's and the board's limits
 //   loss_start, loss_final, loss_before_drop                               sums over views
 //   history: [ { "loss", "views": [..], "seconds", "as_carved" } ]         before each iteration's step; "as_carved" is
-//                                                                          false (else left out) if the light that
-//                                                                          crossings leave is not current
-//   eye: { "px", "from_m" }                                                pixels along the longer side that an eye at
-//   a
-//                                                                          viewpoint resolves, and the distance of this
-//                                                                          eye; the figure of merit uses these pixels
+//                                                                          false (else left out) if the light after
+//                                                                          crossings is not current
+//   eye: { "px", "from_m" }                                                resolution of an eye at a viewpoint (pixels
+//                                                                          along the longer side), and its distance;
+//                                                                          the figure of merit uses these pixels
 //   views: [ { "view", "light", "rotation_deg", "preview", "start", "target", "achievable" (file names),
 //              "eye_psnr_db" (at the eye's pixels: the figure of merit), "psnr_db", "ssim", "start_psnr_db",
 //              "start_ssim", "achievable_psnr_db" (at the pixels of "pixels"), "loss", "exposure",

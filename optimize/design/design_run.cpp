@@ -212,8 +212,8 @@ void DesignRun::start_strokes() {
              board_.tool_width_um, bench_.material.depth_um, bench_.material.alpha);
 }
 
-// Restarts with fewer scratches if the carving time allows them. Up to a quarter more than this may start and be
-// pruned. More would only make the others dimmer.
+// Reduces the number of scratches if their carving takes too long, and returns whether the start has to be repeated. Up
+// to a quarter more than fit the time may start and be pruned. More would only make the others dimmer.
 bool DesignRun::start_with_fewer() {
   constexpr double kMore = 1.25;
   if (!(options_.carve_hours > 0) || options_.from) return false;
@@ -227,9 +227,9 @@ bool DesignRun::start_with_fewer() {
   return true;
 }
 
-// Restarts with fewer scratches if there are too many crossings. Strokes grow during the design, but pay for their
-// crossings: a fifth of the permitted pieces is reserved for growth. Fewer strokes may be longer, so their number is
-// found by trying.
+// Reduces the number of scratches if crossings would leave too many pieces, and returns whether the start has to be
+// repeated. Strokes grow during the design, but pay for their crossings: a fifth of the permitted pieces is reserved
+// for growth. Fewer strokes may be longer, so their number is found by trying.
 bool DesignRun::start_with_less_to_cut() {
   constexpr double kFewer = 0.85;
   constexpr std::size_t kMostPieces = limit::kCuts / 5 * 4;
@@ -253,7 +253,7 @@ bool DesignRun::start_with_less_to_cut() {
 bool DesignRun::is_crowded() {
   if (!grooves_cut_each_other() || options_.from || deadline_.wished_or_used(kStartShare)) return false;
   const double cover = cover_now();
-  // Pixels that eyes do not resolve need no strokes of their own.
+  // Details below the eyes' resolution need no strokes of their own.
   const double eye_px = pixels_of_eyes(limits_.max_mm - limits_.min_mm, eye_distance_mm()),
                told_apart = std::pow(std::min(1.0, eye_px / pixels_), 2);
   const auto fewer = fewer_strokes(count(), told_apart * pixels_a_stroke(views_, count()), cover);
@@ -356,7 +356,7 @@ void DesignRun::obey_all_rules() {
 
 void DesignRun::measure() {
   measure_pictures();
-  // A stop skips all measurements that the scratches do not need.
+  // A stop skips all optional measurements.
   const auto wished = [this] { return deadline_.wished(); };
   if ((options_.report_tolerance || options_.tolerance_mm > 0) && !wished()) {
     std::vector<ToleranceTarget> targets;
@@ -465,7 +465,7 @@ double DesignRun::eye_distance_mm() const {
   return mean;
 }
 
-// Measures the figure of merit at the pixels that eyes at the viewpoints resolve, independent of the design's pixels.
+// Measures the figure of merit at the resolution of eyes at the viewpoints, independent of the design's pixels.
 void DesignRun::measure_for_eyes() {
   result_.eye_from_m = eye_distance_mm() / 1000;
   result_.eye_px = pixels_of_eyes(limits_.max_mm - limits_.min_mm, eye_distance_mm());

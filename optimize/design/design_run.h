@@ -6,12 +6,12 @@
 // fields, wear, crossings. If the carving order shows, the scratches get a short order before the last iterations and
 // keep it.
 //
-// This class holds the state of all stages. The files that it calls hold their details (design_views, design_start,
-// relocate, weak_scratches, carving_budget, obey). One deadline covers all stages.
+// This class holds the state of all stages. Other files hold their details (design_views, design_start, relocate,
+// weak_scratches, carving_budget, obey). One deadline covers all stages.
 //
-// Steps and searches oscillate: an iterate may be worse than its predecessor. The run judges each iterate that is
-// evaluated as carved, and returns to the best one in the end. Frame: board, mm. The same seed gives the same bits for
-// any number of threads.
+// Steps and searches oscillate: an iterate may be worse than its predecessor. The run judges each iterate evaluated as
+// carved, and returns to the best one in the end. Frame: board, mm. The same seed gives the same bits for any number of
+// threads.
 #pragma once
 
 #include <cstddef>
@@ -55,9 +55,9 @@ class DesignRun {
  private:
   // The stages.
   void take_stock();         // initial scratches, if given, and existing grooves
-  void read_targets();       // views and their pictures; reports pictures that cannot work
+  void read_targets();       // views and their pictures; reports impossible pictures
   void place();              // initial scratches; fewer if so many could not be carved in time
-  void expose();             // exposures that match the start
+  void expose();             // exposures for the start
   void improve_start();      // a better place for each scratch
   bool is_crowded();         // if true, the start is repeated with fewer
   bool looks_too_closely();  // if true, the start is repeated on fewer pixels
@@ -145,7 +145,7 @@ class DesignRun {
   const Progress& progress_;
   const Metal metal_{bench_, board_};
   // Searches use whole grooves if grooves cut each other's rims away, because their many pieces take twenty times as
-  // long. The light that they take from each other is rendered now and then (crossing_loss).
+  // long. Their loss of light is rendered now and then (crossing_loss).
   const Bench search_bench_ = adding_rims(bench_), even_bench_ = without_fields(search_bench_);
   bool rims_count_ = !grooves_cut_each_other();
   Deadline deadline_;

@@ -30,8 +30,8 @@ Scratches scratches_of(const std::vector<Stroke>& strokes);
 /// Random positions in the carve area, in random directions.
 Scratches random_start(std::size_t count, const CarvingLimits& limits, double mean_length_mm, std::uint64_t seed);
 
-/// Projects every scratch to its limits; a scratch that cannot be projected restarts at a random place. Throws Error if
-/// there is no room.
+/// Projects every scratch to its limits; a hopeless scratch restarts at a random place. Throws Error if there is no
+/// room.
 void settle(Scratches& scratches, const CarvingLimits& limits, double mean_length_mm, std::uint64_t seed);
 
 }  // namespace burin

@@ -36,7 +36,7 @@ std::pair<int, int> grid_size(const Board& board, int pixels) {
           std::max(1, static_cast<int>(std::lround(pixels * area.y() / longer)))};
 }
 
-// 1 at pixels that may contain a groove's middle, 0 on keep-outs and tags; no pixels if all is free.
+// 1 at possible pixels of a groove's middle, 0 on keep-outs and tags; no pixels if all is free.
 Image carvable(const CarvingLimits& limits, double clearance_mm, int width, int height) {
   Image mask;
   for (const KeepOut& place : limits.keep_out)
@@ -137,7 +137,7 @@ void measure_lights(std::vector<WorkView>& views, LampRenderers& renderers, cons
   append(findings, check_directions(measured));
 }
 
-// Finds the closest colors that the lights can mix, for each picture in color.
+// Finds the closest mixable colors for each picture in color.
 void mix_colors(std::vector<WorkView>& views, std::vector<Finding>& findings) {
   for (const std::span<WorkView> of : shown_channels(views)) {
     if (of.size() != 3) continue;
@@ -182,7 +182,7 @@ LaidView lay(const DesignView& v, const Board& board, const Bench& bench, int wi
   return out;
 }
 
-// Restricts the mask to the pixels that are 1 in `part`.
+// Restricts the mask to the pixels with 1 in `part`.
 void restrict_mask(Target& target, const Image& part) {
   if (part.data.empty()) return;
   if (target.mask.data.empty()) target.mask = Image(part.width, part.height, 1, 1.0F);
@@ -334,8 +334,8 @@ std::vector<WorkView> prepare_views(const DesignSpec& spec, const Board& board, 
   // If depth or roughness vary over the board, they depend on a scratch's place.
   render.material_gradients = options.optimize_width || options.optimize_depth || options.optimize_alpha ||
                               !bench.depth_field.is_constant() || !bench.alpha_field.is_constant();
-  const std::shared_ptr<RenderWorkspace> workspace =
-      make_render_workspace();  // memory for one view: they are processed in turn
+  // Memory for one view: they are processed in turn.
+  const std::shared_ptr<RenderWorkspace> workspace = make_render_workspace();
   const std::shared_ptr<const FootprintGrid> grid = design_grid(board, bench, pixels);
   std::vector<WorkView> views =
       lay_views(spec, board, bench, options, pixels, limits, {grid, render, workspace}, findings);

@@ -31,7 +31,7 @@
 
 namespace burin {
 
-/// Crosstalk of a scratch: another picture of the design in which it shows, and the lamp of that picture.
+/// Crosstalk of a scratch: another picture of the design in which it shows, and that picture's lamp.
 struct WorkGhost {
   std::size_t view = 0, lamp = 0;  ///< index of the WorkView, and of its lamp
 };
@@ -46,9 +46,9 @@ struct WorkLamp {
   bool outshone = false;            ///< another lamp's ghost replaces it in this channel
 };
 
-/// Light that crossings take from a view's grooves (crossing_loss.h).
+/// Loss of light at crossings of a view's grooves (crossing_loss.h).
 struct CrossingLoss {
-  Image kept{};      ///< share of light that remains; no pixels: all of it
+  Image kept{};      ///< remaining share of light; no pixels: all of it
   double cover = 0;  ///< covered part of a pixel, by a groove that crosses it along one pixel's length
 };
 
@@ -72,10 +72,10 @@ struct WorkView {
   Image face{};         ///< radiance of the face without scratches
   double contrast = 0;  ///< ratio of its light over a scratch's directions (DirectionLight); 0: not measured, one lamp
   CrossingLoss crossings{};  ///< empty if grooves are rendered as they are cut
-  /// Whether grooves that cut each other are reduced to the lines along which they glint (glint_lines.h).
+  /// Whether grooves with cut rims are reduced to their glint lines (glint_lines.h).
   bool sees_lines = false;
   Image wanted{};                  ///< the original picture if `target` is lifted (lift_blacks); else no pixels
-  Image mixable{};                 ///< the closest target that the view's lights can mix; no pixels: the target itself
+  Image mixable{};                 ///< the closest mixable target of the view's lights; no pixels: the target itself
   Eigen::Vector3d gains{1, 1, 1};  ///< white_gains(); the light of this scene contains the channel's gain
 };
 
@@ -102,9 +102,9 @@ std::vector<WorkView> prepare_views(const DesignSpec& spec, const Board& board, 
 std::vector<WorkView> views_to_look_at(const DesignSpec& spec, const Board& board, const Bench& bench,
                                        const DesignOptions& options, int pixels, const CarvingLimits& limits);
 
-/// Finds crosstalk in designs with a view in color: the two pictures at most in which a scratch for a leading light
-/// shows best, if one of the best direction has more than a hundredth of its light there. The search counts its effect
-/// there, so it turns the scratch to the side with less harm.
+/// Finds crosstalk in designs with a view in color. A ghost is a picture with more than a hundredth of the light of a
+/// scratch in the best direction for a leading light. The search counts a scratch's effect on its two strongest ghosts
+/// at most, so it turns the scratch to the side with less harm.
 ///
 /// In another channel of its own view, a scratch shows its own light's share or its crosstalk of another light,
 /// whichever is larger. Lamps are never pure, and a little of their own light must not hide much of their neighbors'. A
@@ -132,7 +132,7 @@ std::vector<double> starting_exposures(const std::vector<WorkView>& views, std::
 /// fitting_exposures() for one view's pictures, starting from `guess`.
 double fitting_exposure(std::span<const WorkView> channels, double guess);
 
-/// The picture that judges a view.
+/// The reference picture of a view's quality.
 const Image& asked_for(const WorkView& view);
 
 /// A view as one picture, in gray or in color: as optimized; at these exposures, one per channel, clipped at white; and
@@ -141,7 +141,7 @@ Image picture_of(std::span<const WorkView> channels);
 Image shown_of(std::span<const WorkView> channels, std::span<const double> exposures);
 Image target_of(std::span<const WorkView> channels);
 
-/// The exposures of a view's channels that come closest to the original picture, as last rendered: one for all, or one
+/// The exposures at which a view's channels are closest to the original picture, as last rendered: one for all, or one
 /// each (White::Kind::each).
 std::vector<double> best_exposures(std::span<const WorkView> channels, const std::vector<double>& log_exposure);
 

@@ -24,7 +24,7 @@ struct DirectionLight {
   GlintField field;
   double best = 0, least = 0;  ///< of `light`
   double face = 0;             ///< mean radiance of the plain face
-  /// Ratio of the light of the best direction to that of the worst; at most a thousand.
+  /// Ratio of light, best to worst direction; at most a thousand.
   double contrast() const { return best / std::max(least, 1e-3 * best); }
   double at(double angle) const;  ///< light of a scratch of this direction (radians)
 };
@@ -41,7 +41,7 @@ struct MeasuredView {
 };
 
 /// Findings on pictures under such lights: notes of the directions' contrast, warnings if it is too small for a
-/// picture, and warnings of views that one scratch serves at once.
+/// picture, and warnings of views with common scratches.
 std::vector<Finding> check_directions(const std::vector<MeasuredView>& views);
 
 }  // namespace burin

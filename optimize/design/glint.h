@@ -42,7 +42,7 @@ struct GlintView {
   std::shared_ptr<const GlintField> field{};  ///< for other lights than one lamp
   bool of_one_lamp_on_a_flat_face() const { return face == nullptr && field == nullptr; }
 };
-/// The glint of a design's view on a bench. Throws Error for a view or lamp that the bench lacks.
+/// The glint of a design's view on a bench. Throws Error for a view or lamp missing in the bench.
 GlintView glint_of(const DesignView& view, const Bench& bench);
 
 /// The half vector, of any length, at a point of the flat board (z = 0). On a curved face it is in the face's own
@@ -54,7 +54,7 @@ Eigen::Vector3d half_vector_at(const GlintView& view, const Eigen::Vector3d& p_m
 struct Lean {
   double angle = 0;                  ///< from the board's normal, 0 .. pi/2
   double azimuth = 0;                ///< of h's projection on the board, from x towards y
-  double scratch_direction() const;  ///< of a scratch that glints here: azimuth + 90 degrees
+  double scratch_direction() const;  ///< of a glinting scratch here: azimuth + 90 degrees
 };
 Lean lean_at(const GlintView& view, const Eigen::Vector3d& p_mm);
 
@@ -67,7 +67,7 @@ double lobe_place(const GlintView& view, const Eigen::Vector2d& p_mm, const Eige
 /// Difference of two scratches' orientations, modulo 180 degrees: 0 .. pi/2.
 double turn_between(double a, double b);
 
-/// Crosstalk: part of its light that a scratch made for one half vector shows at the other, the larger of both cases.
+/// Crosstalk: share of its light that a scratch for one half vector shows at the other, the larger of both cases.
 double ghost_of(const Lean& a, const Lean& b, double alpha);
 
 /// The turn at which the lobe falls to `part` (0..1) of its maximum; at most pi/2.
@@ -80,7 +80,7 @@ double reach(double lean, double steepest, double alpha);
 /// most the depth of T^2 = 0.99.
 double depth_for_lean_um(double lean, double width_um);
 
-/// Shape of the groove that a scratch of a board becomes at a place.
+/// Shape of a board's groove at a place.
 struct GrooveShape {
   double depth_um = 0, alpha = 0;
   GrooveProfile profile{};

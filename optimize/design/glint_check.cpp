@@ -20,7 +20,7 @@ std::string number(double value) { return general(value, 3); }
 // Whether scratches of any direction glint.
 bool near_mirror(double lean, double alpha) { return std::sin(lean) < 3 * alpha; }
 
-// The part of a view's lobe that a board's grooves cover.
+// Coverage of a view's lobe by a board's grooves.
 struct Reached {
   double least_lean = std::numbers::pi / 2, most_lean = 0;  // tilt of h over the area
   double shallowest = std::numbers::pi / 2, steepest = 0;   // cutoff angle of the grooves over the area

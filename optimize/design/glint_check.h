@@ -12,7 +12,7 @@ namespace burin {
 
 /// Throws Error if a camera or lamp is behind the face, or if no groove on the area min..max can glint for a view. The
 /// message has the missing degrees, and a sufficient depth or tilt. Finds views that glint on part of the area only,
-/// and pairs of views that share scratches (collisions; orientations modulo 180 degrees), with their crosstalk.
+/// and pairs of views with common scratches (collisions; orientations modulo 180 degrees), with their crosstalk.
 std::vector<Finding> check_glints(const std::vector<GlintView>& views, const Eigen::Vector2d& min_mm,
                                   const Eigen::Vector2d& max_mm, double width_um, const GrooveAt& groove_at);
 

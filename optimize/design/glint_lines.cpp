@@ -127,7 +127,7 @@ void GlintCuts::add_left(std::size_t row, const GlintView& glint, std::vector<st
     const GlintCut cut = cut_of(line, lines_[j], j);
     if (cut.from < cut.to) cuts.push_back(cut);
   }
-  // A groove that is near in several cells occurs several times; its cuts overlap exactly.
+  // A groove near in several cells occurs several times; its cuts overlap exactly.
   std::sort(cuts.begin(), cuts.end(), [](const GlintCut& a, const GlintCut& b) {
     return a.from != b.from ? a.from < b.from : a.cutter < b.cutter;
   });

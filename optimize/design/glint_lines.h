@@ -33,7 +33,7 @@ namespace burin {
 class BrightPlaces {
  public:
   /// Means over the lobe: signed and absolute distance from the middle, and the growth of another groove's reach over
-  /// this place per um of depth that it is deeper.
+  /// this place per um of its extra depth.
   struct Place {
     double aside_mm = 0, reach_mm = 0, reach_by_depth = 0;
   };
@@ -70,12 +70,12 @@ struct GlintLine {
 GlintLine glint_line(const Eigen::Vector2d& a, const Eigen::Vector2d& b, double depth_um, const GlintView& glint,
                      const BrightPlaces& places);
 
-/// A stretch of a line that another groove removes.
+/// A stretch of a line, removed by another groove.
 struct GlintCut : LineStretch {
   std::uint32_t cutter = 0;
 };
 
-/// The stretch of i's line that groove j removes.
+/// The stretch of i's line removed by groove j.
 GlintCut cut_of(const GlintLine& i, const GlintLine& j, std::uint32_t cutter);
 
 /// All grooves of a design, for repeated queries of their remaining pieces.
@@ -84,8 +84,8 @@ class GlintCuts {
   /// `grooves` are the whole carved grooves. Bench and board must outlive this object; the grooves need not.
   GlintCuts(const Scratches& grooves, const Bench& bench, const Board& board);
 
-  /// The pieces of these rows' lines that others leave, as whole grooves; `glints[k]` is the view of rows[k]. The
-  /// pieces' ends move with the grooves that cut them (pull_back()).
+  /// The remaining pieces of these rows' lines, as whole grooves; `glints[k]` is the view of rows[k]. The pieces' ends
+  /// move with the grooves that cut them (pull_back()).
   Carved left_of(std::span<const std::size_t> rows, std::span<const GlintView* const> glints) const;
 
  private:

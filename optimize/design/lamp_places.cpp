@@ -30,7 +30,7 @@ bool moves(const std::vector<ServedGlint>& served, const std::string& light) {
   });
 }
 
-// The lamps of a design, and the views that each serves.
+// The lamps of a design, and the views of each.
 class LampSearch {
  public:
   LampSearch(const std::vector<ServedGlint>& served, const LampQuestion& q)

@@ -30,7 +30,7 @@ struct ServedGlint {
 /// Quality of the lamps' positions.
 struct LampAngles {
   double least_apart = 0;    ///< smallest angle between the scratches of any two, pi / 2 if there is only one
-  double worst_ghost = 0;    ///< largest crosstalk: part of its light that a scratch made for one shows in another
+  double worst_ghost = 0;    ///< largest crosstalk: share of its light that a scratch for one view sends to another
   std::size_t a = 0, b = 0;  ///< the pair of worst_ghost
 };
 /// The angles at a point of the board, over the pairs with a movable lamp.

@@ -1,4 +1,4 @@
-// burin/optimize/design/lift_blacks.h - targets without black for rooms that allow none. docs/model.md 6 (6.8).
+// burin/optimize/design/lift_blacks.h - targets without black for rooms with ambient light. docs/model.md 6 (6.8).
 //
 // Under walls and a sky no scratch is dark in all directions, and neither is the plain face. With black in the target,
 // squared errors penalize a little light in dark parts too much, and differences between bright parts too little. With

@@ -41,7 +41,7 @@ Obeying obey(const Scratches& scratches, const CarvingLimits& limits, std::vecto
     std::vector<StrokeView> light = stroke_views(views, log_exposure, false);
     const std::vector<Stroke> strokes = place_strokes(light, rules, left_over.size(), seed + round, stop);
     if (strokes.empty()) break;
-    // Valid scratches come first, so that they stay as they are; new ones follow by their gain.
+    // Valid scratches come first and stay as they are; new ones follow by their gain.
     Scratches all = scratches;
     std::vector<double> value(scratches.size(), 0.0);
     for (std::size_t k = 0; k < out.rows.size(); ++k) {

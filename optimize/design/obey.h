@@ -2,9 +2,9 @@
 // least loss.
 //
 // The search does not handle rules of pairs (distance, overlap, grooves over one place): a scratch's validity depends
-// on all others. The repair moves or shortens scratches slightly, those of most marginal contribution first. Scratches
-// that remain invalid are re-inserted at permitted places that lack light. Only scratches without a place after several
-// rounds are dropped.
+// on all others. The repair moves or shortens scratches slightly, those of most marginal contribution first. Invalid
+// remaining scratches are re-inserted at permitted places with missing light. Only scratches without a place after
+// several rounds are dropped.
 #pragma once
 
 #include <array>
@@ -24,8 +24,8 @@ namespace burin {
 struct Obeying {
   Scratches scratches;                        ///< within all rules
   std::vector<std::size_t> rows;              ///< index among the given scratches, for each of these, ascending
-  std::vector<std::size_t> placed;            ///< rows that were re-inserted
-  std::array<std::size_t, kRules> dropped{};  ///< by the first rule that they broke
+  std::vector<std::size_t> placed;            ///< re-inserted rows
+  std::array<std::size_t, kRules> dropped{};  ///< by their first broken rule
 };
 
 /// Repairs `scratches`. `views` must be rendered with them; they are rendered again after a re-insertion. Existing

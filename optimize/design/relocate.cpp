@@ -34,7 +34,7 @@ std::vector<std::size_t> relocate(Scratches& scratches, const std::vector<WorkVi
     std::stable_sort(strokes.begin(), strokes.end(), [](const Stroke& a, const Stroke& b) { return a.gain > b.gain; });
     std::size_t moved = 0;
     while (moved < strokes.size() && strokes[moved].gain > worth[order[moved]]) ++moved;
-    // Insertions that do not pay are undone, and the scratches that they were to replace return.
+    // Unprofitable insertions are undone, and the scratches in their place return.
     for (std::size_t k = moved; k < strokes.size(); ++k)
       change(strokes[k].view, {strokes[k].a_mm, strokes[k].b_mm}, -1);
     for (std::size_t k = moved; k < order.size(); ++k) change(view[order[k]], ends_of(scratches, order[k]), 1);

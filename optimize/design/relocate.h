@@ -14,7 +14,7 @@
 namespace burin {
 
 /// Moves the scratches of least marginal contribution (at most this share of the first `movable`) to the places of all
-/// views that lack most light, if this pays. Then it searches a better place for each scratch, until `stop` returns
+/// views with most missing light, if this pays. Then it searches a better place for each scratch, until `stop` returns
 /// true. The views must be rendered. Returns the moved scratches, ascending. The same seed gives the same bits.
 std::vector<std::size_t> relocate(Scratches& scratches, const std::vector<WorkView>& views,
                                   const std::vector<double>& log_exposure, const CarvingLimits& limits,

@@ -70,7 +70,8 @@ void find_ghosts(std::vector<WorkView>& views, double alpha, const Eigen::Vector
           if (shows > most.first) most = {shows, {i, l}};
         }
         if (itself != nullptr) {
-          // A picture occurs in a view once: under its own light there, or under another that shows its scratches more.
+          // A picture occurs in a view once: under its own light there, or under another with more of its scratches'
+          // light.
           itself->outshone = &views[i].lamps[most.second.lamp] != itself && most.first > 0;
           if (itself->outshone) own.ghosts.push_back(most.second);
         } else if (most.first > kLittle) {

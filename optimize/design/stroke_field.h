@@ -39,7 +39,7 @@ struct MissingLight {
   std::size_t pixel_at(double part) const;
 };
 
-/// A view's pictures in the search. Threads may work in boxes that do not overlap at the same time.
+/// A view's pictures in the search. Threads may work in disjoint boxes at the same time.
 class StrokeField {
  public:
   /// `rules` must outlive this object. Throws Error for a view with too many asides.
@@ -77,7 +77,7 @@ class StrokeField {
   /// `before`, put_back() can undo it.
   double add(const Eigen::Vector2d& a_mm, const Eigen::Vector2d& b_mm, float times, const PixelBox& box,
              StrokePixelsBefore* before = nullptr);
-  /// add() for a part of a stroke that no other stroke cuts, independent of the mean loss by crossings there.
+  /// add() for an uncut part of a stroke, independent of the mean loss by crossings there.
   double add_uncut(const Eigen::Vector2d& a_mm, const Eigen::Vector2d& b_mm, float times, const PixelBox& box,
                    StrokePixelsBefore& before);
   /// Undoes all changes in `before` except its first `kept` pixels, and removes them from it.

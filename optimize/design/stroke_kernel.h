@@ -1,5 +1,5 @@
-// burin/optimize/design/stroke_kernel.h - the search's inner loop: for sixteen strokes at a time, each given by a point
-// and a direction, it finds the ends that lower its view's squared error most.
+// burin/optimize/design/stroke_kernel.h - the search's inner loop. It takes sixteen points and directions, and finds
+// each stroke's ends with the largest decrease of its view's squared error.
 //
 // A lane is a stroke. Its operations are independent of the other lanes and of the SIMD width, and use no fused
 // multiply-adds, so every width gives the same bits. The width is chosen at run time (burin/base/simd_width.h).
@@ -60,7 +60,7 @@ struct StrokeWindow {
 };
 
 /// Points, and the direction of the stroke through each. The direction follows the stroke (old_x, old_y), brighter or
-/// dimmer. If `anywhere` is not 0, it gives `brighter` times the light that its pixel lacks.
+/// dimmer. If `anywhere` is not 0, it gives `brighter` times its pixel's missing light.
 struct StrokeTries {
   float x[kStrokeLanes], y[kStrokeLanes];  ///< within the window
   float old_x = 1, old_y = 0;              ///< direction on the board, mm, of length 1

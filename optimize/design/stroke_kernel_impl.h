@@ -1,7 +1,7 @@
 // burin/optimize/design/stroke_kernel_impl.h - the kernel of stroke_kernel.h over a SIMD vector type.
 //
-// Only files that are compiled for one instruction set each include it (see burin/render/fast/packet_math.h). They use
-// no fused multiply-adds.
+// Only files compiled for one instruction set each include it (see burin/render/fast/packet_math.h). They use no fused
+// multiply-adds.
 #pragma once
 
 #include "burin/optimize/design/shown_light.h"
@@ -104,7 +104,7 @@ struct StrokeKernel {
     return xsimd::min(P(1), exp2(P(kShownPower) * log2(xsimd::max(light, P(kLeastLight)))));
   }
 
-  // The half vector of the pixel that contains a point, or of the picture's nearest pixel.
+  // The half vector of a point's pixel, or of the picture's nearest pixel.
   static Vector listed_half_vector(const StrokeWindow& window, const StrokePlace& place, const P& x_mm, const P& y_mm) {
     const auto within = [](const P& at, int size) {
       return xsimd::min(xsimd::max(xsimd::floor(at), P(0)), P(static_cast<float>(size - 1)));

@@ -40,8 +40,8 @@ std::uint64_t seed_of(std::uint64_t seed, std::size_t view, std::size_t step, st
 
 namespace {
 
-// Smallest side of the tiles, pixels. It is several strokes long, so that most strokes fit into one, and small enough
-// for the cache.
+// Smallest side of the tiles, pixels. It is several strokes long, so most strokes fit into one, and small enough for
+// the cache.
 int tile_side(const StrokeField& field) {
   constexpr double kOfLongest = 0.6;
   constexpr unsigned kLeast = 64, kMost = 256;
@@ -166,7 +166,7 @@ class ViewSweep {
     return true;
   }
 
-  // Replaces two strokes that meet: if one ends at the start of the other, neither can move alone.
+  // Replaces two touching strokes: if one ends at the start of the other, neither can move alone.
   bool better(std::array<Stroke, 2>& pair, StrokeTrier& trier) {
     trier.before().clear();
     double fell = 0;
@@ -301,7 +301,7 @@ std::vector<StrokeField> stroke_fields(std::vector<StrokeView>&& views, const St
 std::vector<std::vector<std::size_t>> field_groups(const std::vector<StrokeField>& fields) {
   std::vector<std::vector<std::size_t>> groups;
   for (std::size_t v = 0; v < fields.size(); ++v) {
-    std::vector<std::size_t> mine;  // with all groups that it connects
+    std::vector<std::size_t> mine;  // with all connected groups
     const auto tied = [&](const std::vector<std::size_t>& group) {
       return std::any_of(group.begin(), group.end(),
                          [&](std::size_t w) { return fields[v].shares_pictures_with(fields[w]); });

@@ -10,11 +10,11 @@
 //
 // For a point and a direction, the best ends are found exactly. The error that a stroke removes is a sum over the
 // crossed pixels, so its ends are at the maxima of the running sums to both sides. Points and directions, and with them
-// brightnesses, are drawn at random. Most points are at places that lack light, or near the stroke to replace.
+// brightnesses, are drawn at random. Most points are at places with missing light, or near the stroke to replace.
 //
 //   place_strokes    one stroke after the other (matching pursuit: Mallat & Zhang, IEEE TSP 41(12), 1993, with a random
 //                    choice of atoms); the light: docs/model.md 6.5
-//   improve_strokes  removes each stroke together with the stroke that ends nearest to one of its ends. It inserts the
+//   improve_strokes  removes each stroke together with the nearest stroke at one of its ends. It inserts the
 //                    best of several candidates, the old stroke among them, for each of the two (block coordinate
 //                    descent; of two strokes in a line, neither could move alone)
 //
@@ -22,9 +22,9 @@
 // stroke's light in other views is part of `light` as rendered, and is not counted again.
 //
 // Tiles divide the pictures (stroke_tiles.h). Only strokes inside the same tile replace a stroke inside it, so tiles
-// run in parallel. Their positions change every time, and strokes that fit into none wait for larger ones. The kernel
-// tries sixteen candidates at once (stroke_kernel.h). Each tile has one fixed order and its own random numbers: the
-// same seed gives the same bits for any number of threads. Frame: board, mm; images as in board_grid, row 0 at the top.
+// run in parallel. Their positions change every time, and longer strokes wait for larger ones. The kernel tries sixteen
+// candidates at once (stroke_kernel.h). Each tile has one fixed order and its own random numbers: the same seed gives
+// the same bits for any number of threads. Frame: board, mm; images as in board_grid, row 0 at the top.
 #pragma once
 
 #include <Eigen/Core>
@@ -45,14 +45,13 @@ namespace burin {
 
 /// Unit light of the view of `renderer`: light per mm of length, summed over pixels, from a scratch of the best
 /// direction, in radiance times pixels per mm. It is measured on a lattice of test scratches and interpolated to every
-/// pixel. `carve` carves the test scratches, so the unit includes depths and roughnesses that vary over the board, and
+/// pixel. `carve` carves the test scratches, so the unit includes the spatial variation of depth and roughness, and
 /// with them the covered lobe fraction.
 Image measure_units(ViewRenderer& renderer, const GlintView& glint, const Eigen::Vector2d& min_mm,
                     const Eigen::Vector2d& max_mm, const std::function<Carved(const Scratches&)>& carve = in_metal);
 
-/// Places up to `count` strokes, distributed so that the last ones gain about equally in all views. Fewer result if no
-/// candidate of many tries gains anything, or once `stop` (called now and then) returns true. Adds their light to
-/// `views`.
+/// Places up to `count` strokes. The last ones gain about equally in all views. Fewer result if no candidate of many
+/// tries gains anything, or once `stop` (called now and then) returns true. Adds their light to `views`.
 std::vector<Stroke> place_strokes(std::vector<StrokeView>& views, const StrokeRules& rules, std::size_t count,
                                   std::uint64_t seed, const std::function<bool()>& stop = {});
 

@@ -36,22 +36,22 @@ class Stopping {
 /// A different number for every (seed, view, step, tile).
 std::uint64_t seed_of(std::uint64_t seed, std::size_t view, std::size_t step, std::size_t tile);
 
-/// The tilings of one sweep. Small tiles come twice, at different offsets. Larger and larger ones follow for the
-/// strokes that fit into none, up to the largest size that a kernel can count.
+/// The tilings of one sweep. Small tiles come twice, at different offsets. Larger and larger ones follow for longer
+/// strokes, up to the largest size that a kernel can count.
 std::vector<Tiling> tilings_of_sweep(const StrokeField& field, std::uint64_t seed);
 
-/// The tile that contains a stroke, or none (size()).
+/// The tile around a stroke, or none (size()).
 std::size_t tile_of(const StrokeField& field, const Tiling& tiling, const Ends& ends);
 
-/// The views' pictures, shared between views that show the same one; `rules` must outlive them.
+/// The views' pictures, shared between views with the same one; `rules` must outlive them.
 std::vector<StrokeField> stroke_fields(const std::vector<StrokeView>& views, const StrokeRules& rules);
-/// stroke_fields() that frees each view's images once its field has them: both of a large design take a gigabyte.
+/// As stroke_fields(), but frees each view's images once its field has them: both of a large design take a gigabyte.
 std::vector<StrokeField> stroke_fields(std::vector<StrokeView>&& views, const StrokeRules& rules);
 
 /// Groups of fields. Fields that share pictures form one group and are processed in turn; groups may run in parallel.
 std::vector<std::vector<std::size_t>> field_groups(const std::vector<StrokeField>& fields);
 
-/// The view for which each scratch is made: the one that gets most of its lobe.
+/// The view for which each scratch is made: the one with most of its lobe.
 std::vector<std::size_t> views_of(const std::vector<StrokeField>& fields, const Scratches& scratches);
 
 /// place_strokes() on fields.

@@ -74,7 +74,7 @@ void StrokeTrier::draw_near(int lane, const Eigen::Vector2d& a, const Eigen::Vec
   const Eigen::Vector2d p = a + along * d + aside * across;
   tries_.x[lane] = static_cast<float>(p.x());
   tries_.y[lane] = static_cast<float>(p.y());
-  // exp(z), approximately, to the power -2/3 that converts a lobe to 1 + q^2.
+  // exp(z), approximately, to the power -2/3, which converts a lobe to 1 + q^2.
   const float z = -2.0F / 3 * 0.35F * scale * bell_of(random_());
   tries_.brighter[lane] = (2 + z) / (2 - z);
   tries_.anywhere[lane] = 0;

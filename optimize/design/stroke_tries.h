@@ -23,7 +23,7 @@ class StrokeTrier {
   void survey();
   bool misses_anything() const { return missing_.all() > 0; }
 
-  /// The best of `candidates` strokes in the box, mostly at places that lack light. gain 0: none gains anything.
+  /// The best of `candidates` strokes in the box, mostly at places with missing light. gain 0: none gains anything.
   Stroke best_anywhere(int candidates);
   /// The best of `old`, which is removed from the picture, and of candidates near it and elsewhere. Equal to `old` if
   /// none is better.

@@ -40,7 +40,7 @@ Bench adding_rims(Bench bench);
 /// The bench without spatial variation of its grooves.
 Bench without_fields(Bench bench);
 
-/// Sums of a value per groove, such as its light, over the grooves that are pieces of each designed row.
+/// Sums of a value per groove, such as its light, over the pieces of each designed row.
 std::vector<double> by_design(const Carved& carved, const std::vector<double>& by_groove, std::size_t rows);
 
 }  // namespace burin

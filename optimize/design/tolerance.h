@@ -2,9 +2,10 @@
 // picture is lost.
 //
 // A view is lost if its PSNR has fallen by kLostDb, at the best exposure of each position (eyes adapt). Eye and lamp
-// move one at a time from their places in the bench: sideways (level, parallel to the face), up (at right angles to
-// this and to the line of sight), and in depth (along this line). The measurement renders on a grid of at most
-// kTolerancePixels a side. On finer grids pictures have more noise of their own and lose 3 dB later. Frame: board, mm.
+// move one at a time from their places in the bench: sideways, up and in depth. Sideways is level and parallel to the
+// face, depth is along the line of sight, and up is at right angles to both. The measurement renders on a grid of at
+// most kTolerancePixels a side. On finer grids pictures have more noise of their own and lose 3 dB later. Frame: board,
+// mm.
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // best_exposure() of picture_metrics.h. An exposure is a factor on light, so its power 1/2.2 is a factor on the shown
-// picture: the gamma curve is applied once, not for every exposure tried.
+// picture. The gamma curve is therefore applied once, not for every exposure.
 #include <algorithm>
 #include <cmath>
 

@@ -10,7 +10,7 @@
 namespace burin {
 namespace {
 
-constexpr int kSide = kGramTilePx + 2;  // of a tile with the border that its patches reach
+constexpr int kSide = kGramTilePx + 2;  // of a tile with the border of its patches
 
 /// A tile's pixels minus their mean, from one pixel above and left of its first center. The mean does not affect
 /// patches without mean, and its removal keeps more digits in float.
