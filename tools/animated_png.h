@@ -1,6 +1,6 @@
-// tools/animated_png.h - pictures that follow each other in one file that browsers play: PNG with animation chunks
-// (W3C, Portable Network Graphics, third edition, 2025: acTL, fcTL, fdAT). A viewer that knows none of it shows the
-// first picture.
+// tools/animated_png.h - animated PNG: several pictures in one file that browsers play. Source: W3C, Portable Network
+// Graphics, third edition, 2025, chunks acTL, fcTL and fdAT. Viewers without support for these chunks show the first
+// picture.
 #pragma once
 
 #include <cstdint>
@@ -10,8 +10,8 @@
 
 namespace burin {
 
-/// One file of frames that are PNG files of one size and kind, shown `frames_per_s` times a second, over and over.
-/// Throws Error for no frames, frames that are no PNG, or frames that differ in size or kind.
+/// Joins PNG files of one size and color type into one animation. It runs at `frames_per_s` and repeats forever. Throws
+/// Error for no frames, for a frame in another format, and for frames of different sizes or color types.
 std::string animated_png(const std::vector<std::string>& frames, double frames_per_s);
 
 }  // namespace burin

@@ -1,4 +1,4 @@
-// tools/automatic_exposure.h - how bright a rendered picture is shown where nobody said.
+// tools/automatic_exposure.h - automatic exposure of rendered pictures.
 #pragma once
 
 #include <optional>
@@ -7,8 +7,8 @@
 
 namespace burin {
 
-/// The exposure, times `radiance`, that puts all but the brightest half per cent of the lit values below white; nothing
-/// for a black picture.
+/// Returns the factor on `radiance` at which the brightest half per cent of the lit values clips. Returns nothing for a
+/// black picture.
 std::optional<double> automatic_exposure(const Image& radiance);
 
 }  // namespace burin

@@ -1,4 +1,4 @@
-// tools/base64.h - bytes as text, for pages that hold all that they show.
+// tools/base64.h - bytes as text, for self-contained pages.
 #pragma once
 
 #include <string>
@@ -6,7 +6,7 @@
 
 namespace burin {
 
-/// RFC 4648, section 4: letters, digits, + and /, padded by = to a multiple of four.
+/// Encodes by RFC 4648, section 4: letters, digits, + and /, padded by = to a multiple of four.
 std::string base64(std::string_view bytes);
 
 }  // namespace burin

@@ -1,4 +1,4 @@
-// tools/command_line.h - the burin program without main(): one command line, carried out.
+// tools/command_line.h - the burin program without main(): parses and runs one command line.
 #pragma once
 
 #include <CLI/App.hpp>
@@ -8,15 +8,15 @@
 
 namespace burin {
 
-/// The program's options and commands, for who parses or describes them (tools/manual.h).
+/// Makes the parser with all options and commands. The manual pages use it too (tools/manual.h).
 std::unique_ptr<CLI::App> make_app();
 
-/// Runs `burin ARGUMENTS...`, as main does and as the loop does for its steps. Throws burin::Error for work that could
-/// not be done and CLI::ParseError (see CLI11) for a command line that is wrong, or that asked for help.
+/// Runs `burin ARGUMENTS...`; main and the steps of the loop call it. Throws burin::Error if the work fails. Throws
+/// CLI::ParseError (CLI11) for a wrong command line and for --help.
 void run_command(const std::vector<std::string>& arguments);
 
-/// The same, errors printed as one sentence on stderr. Returns the exit code: 0 done, 1 could not be done, 2 the
-/// command line is wrong.
+/// Runs `burin ARGUMENTS...` and prints errors as one sentence to stderr. Returns the exit code: 0 done, 1 failed, 2
+/// wrong command line.
 int run_program(const std::vector<std::string>& arguments);
 
 }  // namespace burin

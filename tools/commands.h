@@ -1,6 +1,6 @@
 // tools/commands.h - the subcommands of `burin`, one function and one file each.
 //
-// How a command is made. `add_NAME_command(burin)` lives in tools/NAME_command.cpp and does three things:
+// Each command has a function `add_NAME_command(burin)` in tools/NAME_command.cpp. An example:
 //
 //   void add_toolpath_command(CLI::App& burin) {
 //     struct Options { std::filesystem::path scratches, out; };
@@ -18,15 +18,16 @@
 //     });
 //   }
 //
-// Rules that all commands keep:
-// - A thin layer: options in, library calls, files out. What another program could use belongs in a library.
-// - Work that cannot be done throws burin::Error from the callback; main prints the sentence and exits with 1.
-//   Do not use CLI11's file validators: a missing file is work that cannot be done (1), not a wrong command line (2),
-//   and the library's own message says what to do about it. Contradictory options throw CLI::ValidationError: exit 2.
-// - Results go to stdout and end in one line that says what was made and what to do next: a command that can be pasted,
-//   with all options that it needs (shell_word), capitals where only the person knows. Findings that do not stop
-//   the work ("note: ...") go to stderr through note(). Nothing else is printed.
-// - Outputs are written only when they are complete (write_atomically), folders made with make_output_folder.
+// Rules for all commands:
+// - A command is a thin layer: options in, library calls, files out. Reusable code belongs in a library.
+// - Failed work throws burin::Error from the callback. main prints the sentence and exits with 1.
+// - Commands use no file validators of CLI11. A missing file is failed work (1), not a wrong command line (2), and the
+//   library's own message contains the remedy.
+// - Contradictory options throw CLI::ValidationError: exit code 2.
+// - Results go to stdout. The last line names the result and the next command, ready to paste, with all needed options
+//   (shell_word). Capitals stand for values that only the user knows.
+// - Findings that do not stop the work ("note: ...") go to stderr through note(). A command prints nothing else.
+// - Commands write complete outputs only (write_atomically), and make folders with make_output_folder.
 // - `--help` ends with an example that works on the files it names.
 #pragma once
 
@@ -66,28 +67,28 @@ void add_status_command(CLI::App& burin);
 void add_trace_command(CLI::App& burin);
 void add_check_command(CLI::App& burin);
 
-/// The options of `burin design`, `burin toolpath` and `burin capture` that say how, not which files: `command` may be
-/// another one that hands them on. What they are read into lives as long as what is returned.
+/// Add the options of `burin design`, `burin capture` and `burin toolpath` without those for files. `command` may be
+/// another command, which forwards them. The returned object owns the parsed values.
 std::shared_ptr<void> add_design_options(CLI::App& command);
 std::shared_ptr<void> add_capture_options(CLI::App& command);
 std::shared_ptr<void> add_toolpath_options(CLI::App& command);
 
-/// --f-number of commands that read photos: the aperture of those whose EXIF has none. 0: not said.
+/// Adds --f-number: the aperture of photos without one in their EXIF data. 0: not given.
 void add_f_number_option(CLI::App& command, double& f_number);
 
-/// The type_name of options that name files among these: what hands them on moves paths with them.
+/// Type name of options with a file as value. Commands that forward options also move these paths.
 inline constexpr const char* kFile = "FILE";
 
-/// CLI11's kind of check of an option that takes a time, whatever unit a bare number has: empty for a good value.
+/// CLI11 check of an option for a time, with any default unit. Returns an empty string for a good value.
 std::string wrong_duration(const std::string& text);
 
-/// The footer of a command's `--help`: a working command line (or several, one a line).
+/// Footer of a command's `--help`: one or several working command lines, one per line.
 inline std::string example(const std::string& command_lines) { return "Example:\n  " + command_lines; }
 
-/// $'...' of bash, zsh and POSIX 2024 for a word with characters that a terminal would obey or that are no text.
+/// Quotes as $'...' (bash, zsh, POSIX 2024) a word with control characters or invalid text.
 std::string shell_word_of_bytes(const std::string& word);
 
-/// A file or an option's value as it stands in a command line that can be pasted: quoted where a shell would split it.
+/// Quotes a file name or an option's value for a command line to paste, if a shell would split it.
 inline std::string shell_word(const std::string& word) {
   const bool plain = !word.empty() && word.find_first_not_of(
                                           "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ"
@@ -99,20 +100,20 @@ inline std::string shell_word(const std::string& word) {
   return quoted + "'";
 }
 
-/// `burin ARGUMENTS...` as a person can paste it.
+/// Returns `burin ARGUMENTS...` as a command line to paste.
 inline std::string command_text(const std::vector<std::string>& arguments) {
   std::string line = "burin";
   for (const std::string& word : arguments) line += " " + shell_word(word);
   return line;
 }
 
-/// As fmt::print to stdout, but a terminal obeys nothing that stands in the name of a file or a folder.
+/// Prints to stdout like fmt::print, with control characters in names of files and folders escaped.
 template <typename... T>
 void print_text(fmt::format_string<T...> format, T&&... values) {
   say_text(fmt::format(format, std::forward<T>(values)...));
 }
 
-/// Tells the person about something that does not stop the work: a photo left out, a value assumed. To stderr.
+/// Prints a finding that does not stop the work to stderr: a rejected photo, an assumed value.
 inline void note(const std::string& sentence) { tell("note: " + sentence + "\n"); }
 inline void note(const Finding& finding) { note(sentence(finding)); }
 

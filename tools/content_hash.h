@@ -1,4 +1,4 @@
-// tools/content_hash.h - what a file holds, as one number: how the loop knows what its results were made from.
+// tools/content_hash.h - hash of a file's content. The loop uses it to see which inputs changed.
 #pragma once
 
 #include <cstdint>
@@ -8,14 +8,15 @@
 
 namespace burin {
 
-/// SHA-256 of a file's bytes, 64 hexadecimal digits. Throws Error for a file that is there and cannot be read.
+/// Returns the SHA-256 of a file's bytes as 64 hexadecimal digits. Throws Error for an existing file that cannot be
+/// read.
 std::string content_hash(const std::filesystem::path& file);
 
-/// Remembers, for as long as one command runs, what was read once: photos are large. A file counts as read while its
-/// size and its time of change stay the same.
+/// Caches hashes for the duration of one command, because photos are large. A cached hash holds while the file keeps
+/// its size and time of change.
 class ContentHashes {
  public:
-  /// As content_hash; "" for a file that is not there.
+  /// Like content_hash(); "" for a missing file.
   std::string of(const std::filesystem::path& file);
 
  private:

@@ -1,5 +1,5 @@
-// tools/content_policy.h - the Content-Security-Policy of a page that Burin writes: nothing from elsewhere, and only
-// the scripts and styles that it was written with.
+// tools/content_policy.h - Content-Security-Policy of the pages: it blocks external content and all scripts and styles
+// except the page's own.
 #pragma once
 
 #include <span>
@@ -8,13 +8,13 @@
 
 namespace burin {
 
-/// What stands between <script> and </script> (or <style> and </style>), byte by byte, as a policy names it:
-/// 'sha256-...', with the quotes.
+/// Source expression 'sha256-...', including the quotes, for the exact bytes between <script> and </script> (or <style>
+/// and </style>).
 std::string content_hash_source(std::string_view text);
 
-/// The <meta> element to put first into <head>: nothing is loaded but data: pictures, nothing runs but inline scripts
-/// and styles of exactly these texts. A page under it has no style="" attributes and no onclick="" either; scripts may
-/// set element.style.
+/// Returns the <meta> element, which goes first into <head>. It admits data: pictures and inline scripts and styles
+/// with exactly these texts; it blocks everything else. The page must not use style="" or onclick="" attributes;
+/// scripts may set element.style.
 std::string content_policy(std::span<const std::string> scripts, std::span<const std::string> styles);
 
 }  // namespace burin

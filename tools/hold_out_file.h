@@ -1,4 +1,4 @@
-// tools/hold_out_file.h - hold-out.json beside bench.json: how well photos that were not used were predicted.
+// tools/hold_out_file.h - hold-out.json next to bench.json: prediction errors on held-out photos.
 #pragma once
 
 #include <filesystem>
@@ -10,19 +10,19 @@
 
 namespace burin {
 
-/// What `burin calibrate --hold-out` and `burin refine --hold-out` leave; either part may be missing.
+/// Results of `burin calibrate --hold-out` and `burin refine --hold-out`. Either part may be missing.
 struct HoldOutFile {
   std::optional<HeldOutCorners> corners;
   std::vector<HeldOutPhoto> pixels;  ///< view, light, residual_rms, residual_to_noise and outliers only
 };
 
-/// Empty if there is no such file in `folder`. Throws Error on a broken one.
+/// Returns an empty object if `folder` has no such file. Throws Error for a broken one.
 HoldOutFile read_hold_out(const std::filesystem::path& folder);
 
 /// Writes `folder`/hold-out.json.
 void write_hold_out(const HoldOutFile& held, const std::filesystem::path& folder);
 
-/// The tables that the commands print: a line a photo, and all together, next to the fit.
+/// Tables that the commands print: one line per photo and one for all photos, next to the fit.
 std::string corners_in_words(const HeldOutCorners& corners);
 std::string pixels_in_words(const std::vector<HeldOutPhoto>& photos);
 

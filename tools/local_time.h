@@ -1,12 +1,12 @@
-// tools/local_time.h - the time of day, for people.
+// tools/local_time.h - the local time for messages.
 #pragma once
 
 #include <string>
 
 namespace burin {
 
-/// Now, in the system's time zone, as strftime() formats it; "an unknown time" where the clock is so far off that no
-/// date is.
+/// Formats the present time in the system's time zone with strftime(). Returns "an unknown time" if the clock has no
+/// valid date.
 std::string local_time(const char* format);
 
 }  // namespace burin

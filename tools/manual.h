@@ -7,7 +7,8 @@
 
 namespace burin {
 
-/// man(7) text of `burin` itself (`command` null: its commands, what they do, its options) or of one of its commands.
+/// Returns the man(7) text of one command. If `command` is null, returns the page of `burin` itself: its commands,
+/// their purposes, its options.
 std::string manual_page(const CLI::App& burin, const CLI::App* command);
 
 /// docs/commands.md: Markdown of all commands, by groups, with their options and examples.

@@ -1,5 +1,4 @@
-// tools/output_mode.h - `burin --quiet COMMAND` and `burin --json COMMAND`: what a command says, for scripts and
-// pipelines.
+// tools/output_mode.h - `burin --quiet COMMAND` and `burin --json COMMAND`: output for scripts and pipelines.
 #pragma once
 
 #include <functional>
@@ -8,37 +7,38 @@
 
 namespace burin {
 
-/// What becomes of a command's words. Its files and its exit code are the same.
+/// Form of a command's messages. Its files and its exit code do not depend on it.
 enum class OutputMode {
-  words,  ///< as a person reads them
-  quiet,  ///< notes and errors only, on stderr when it has ended, and no progress bar
-  json    ///< one JSON object on stdout when it has ended, nothing else
+  words,  ///< for people
+  quiet,  ///< notes and errors only, on stderr at the end; no progress bar
+  json    ///< one JSON object on stdout at the end, nothing else
 };
 
-/// Takes --quiet and --json out of the options before COMMAND (the last one rules).
+/// Removes --quiet and --json from the options before COMMAND. The last one wins.
 OutputMode take_output_mode(std::vector<std::string>& arguments);
 
-/// How many words one of the program's own options takes that `word` begins: 0 if it begins none.
+/// Number of words of the program's own option that starts at `word`: 0 if it is no such option.
 std::size_t words_of_program_option(const std::string& word);
 
-/// Where COMMAND stands among the arguments: behind the program's own options.
+/// Index of COMMAND among the arguments, behind the program's own options.
 std::size_t place_of_command(const std::vector<std::string>& arguments);
 
-/// Says why the command ends before its time, on the real standard streams, wherever `mode` has put them: the sentence
-/// to stderr, or the JSON object to stdout. For a process that ends then.
+/// Prints the reason for an early end to the real standard streams, for any redirection by `mode`. The sentence goes to
+/// stderr, or the JSON object to stdout. For a process that ends immediately afterwards.
 void say_at_the_end(OutputMode mode, const std::vector<std::string>& arguments, const std::string& sentence,
                     int exit_code);
 
-/// What `burin --json` prints in place of that object if the command ends well: one line of JSON of its own.
+/// Replaces the JSON object of a successful `burin --json` by another line of JSON.
 void set_json_result(std::string json);
 
-/// Writes a note to the real standard error, beside whatever the command's own thread is doing.
+/// Writes a note to the real standard error while the command's own thread continues.
 void say_meanwhile(const std::string& sentence);
 
-/// Does `work`, whose result is an exit code, in that mode; `arguments` are the command's, without the mode. JSON:
+/// Runs `work`, which returns an exit code, in the given mode. `arguments` are the command's, without the mode. The
+/// JSON object:
 ///   { "burin": "0.1.0", "command": "capture", "exit_code": 0, "said": [lines], "notes": [..], "errors": [..],
-///     "files": [what it wrote], "next": "burin calibrate ..." }
-/// where "next" is there if the command named one. Throws Error where its words cannot be caught.
+///     "files": [written files], "next": "burin calibrate ..." }
+/// "next" exists if the command names a next command. Throws Error if the output cannot be captured.
 int run_in_mode(OutputMode mode, const std::vector<std::string>& arguments, const std::function<int()>& work);
 
 }  // namespace burin

@@ -1,5 +1,5 @@
-// tools/photographed_lamps.h - under which lamps a board is photographed: under each that a design's views are lit by,
-// alone, since a photo measures the one lamp that was on.
+// tools/photographed_lamps.h - the lamps under which a board is photographed. Each lamp of a design's views shines
+// alone, because a photo measures a single lamp.
 #pragma once
 
 #include <string>
@@ -10,14 +10,14 @@
 
 namespace burin {
 
-/// The lamps of a view one by one, without sun and surroundings, which no switch turns off; where there is nothing
-/// else, the view's lights as they are. Throws Error for lights that `bench` lacks.
+/// The lamps of a view one by one, without sun and surroundings, which have no switch. For a view without lamps,
+/// returns its lights unchanged. Throws Error for lights missing in `bench`.
 std::vector<std::string> photographed_lamps(const DesignView& view, const Bench& bench);
 
-/// Those of all views, each once.
+/// The lamps of all views, each once.
 std::vector<std::string> photographed_lamps(const DesignSpec& design, const Bench& bench);
 
-/// The lamps of a bench: all its lights but sun and surroundings.
+/// The lamps of a bench: all its lights except sun and surroundings.
 std::vector<std::string> lamps_of(const Bench& bench);
 
 }  // namespace burin

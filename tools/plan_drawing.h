@@ -1,4 +1,4 @@
-// tools/plan_drawing.h - a plan of photos as a drawing: the bench from above and from the side, to scale.
+// tools/plan_drawing.h - drawing to scale of a photo plan: the bench from above and from the side.
 #pragma once
 
 #include <string>
@@ -8,8 +8,8 @@
 
 namespace burin {
 
-/// SVG. Above: x right, y up, the board with its tags, numbered cameras with their lines of sight, lamps as stars.
-/// Below: the same seen from the lower edge, x right, height up.
+/// Returns SVG. Top view: x right, y up, the board with its tags, numbered cameras with lines of sight, lamps as stars.
+/// Below it, the view from the lower edge: x right, height up.
 std::string plan_drawing(const Plan& plan, const Board& board);
 
 }  // namespace burin

@@ -1,4 +1,4 @@
-// tools/probe_light_command.h - `burin probe light`, beside the others of `burin probe`.
+// tools/probe_light_command.h - `burin probe light`, one of the subcommands of `burin probe`.
 #pragma once
 
 #include <CLI/App.hpp>

@@ -1,6 +1,5 @@
-// tools/progress_bar.h - how far the work is and how long it will still take, as one line that is redrawn in place.
-// Only on a terminal (stderr), and only once the work has taken two seconds: pipes and short work stay quiet. Work that
-// says its stage and is then long silent is shown all the same: by a thread, which is there on a terminal only.
+// tools/progress_bar.h - progress and remaining time as one line, redrawn in place. It appears on a terminal only
+// (stderr), and only after two seconds of work. A thread draws the line during long silent stages.
 #pragma once
 
 #include <chrono>
@@ -14,7 +13,7 @@
 
 namespace burin {
 
-/// One piece of work, which may go through several stages. Owns the terminal's line until clear() or its end.
+/// Progress of one piece of work with any number of stages. Owns the terminal's line until clear() or destruction.
 class ProgressBar {
  public:
   ProgressBar();
@@ -22,10 +21,11 @@ class ProgressBar {
   ProgressBar(const ProgressBar&) = delete;
   ProgressBar& operator=(const ProgressBar&) = delete;
 
-  /// What a library takes: call it from the thread that made the bar. Refers to *this: the bar must outlive the work.
+  /// Returns the callback for a library. Call it from the thread that made the bar. It refers to *this, so the bar must
+  /// outlive the work.
   Progress progress();
 
-  /// Takes the line off the terminal: call it before printing anything else.
+  /// Removes the line from the terminal. Call it before any other output.
   void clear();
 
  private:
@@ -37,17 +37,17 @@ class ProgressBar {
   void draw_when_due();
 
   const bool on_terminal_;
-  std::mutex mutex_;  // of all below, and of the terminal's line
+  std::mutex mutex_;  // guards all members below and the terminal's line
   std::condition_variable changed_;
-  bool drawn_ = false, waiting_ = false, over_ = false;  // waiting: what was said last is not drawn yet
+  bool drawn_ = false, waiting_ = false, over_ = false;  // waiting: the latest report is not drawn yet
   Clock::time_point work_start_, stage_start_, last_drawn_;
   std::string stage_, said_;
   double fraction_ = 0;
-  std::thread drawer_;  // begun with the first stage
+  std::thread drawer_;  // starts with the first stage
   bool has_no_thread_ = false;
 };
 
-/// "[#########-----------]  45 %  finding tags, 1:20 left". The time is a guess from the stage so far; none before 5 %.
+/// "[#########-----------]  45 %  finding tags, 1:20 left". The time extrapolates the stage; below 5 % it is missing.
 std::string progress_line(std::string_view stage, double fraction, double stage_elapsed_s);
 
 }  // namespace burin

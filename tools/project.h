@@ -1,5 +1,4 @@
-// tools/project.h - where a loop project keeps its files. docs/file-formats.md; what each file is stands in
-// tools/loop/stages.h.
+// tools/project.h - file layout of a loop project (docs/file-formats.md). tools/loop/stages.h describes each file.
 #pragma once
 
 #include <filesystem>
@@ -11,29 +10,29 @@ struct Project {
   std::filesystem::path folder;
 
   std::filesystem::path round(int number) const;  ///< round-01, round-02, ...
-  /// What is known of the bench before that round: the nominal bench.json, or the one that the round before measured.
+  /// The bench known before that round: the nominal bench.json, or the measurement of the round before.
   std::filesystem::path bench_before(int number) const;
-  /// heights.json of the sheet as it was probed for that round; empty: it was not.
+  /// heights.json of the sheet, probed for that round; empty without a probe.
   std::filesystem::path heights(int number) const;
-  /// In how many pixels, along the longer side, that round's design looked at its pictures. None where it is not
-  /// designed yet, or by a Burin that did not say.
+  /// Resolution of that round's design, in pixels along the longer side. Nothing for a missing design and for versions
+  /// that did not record it.
   std::optional<int> pixels(int number) const;
-  int rounds() const;    ///< how many round folders there are, counted from 1 without a gap
-  int measured() const;  ///< how many of them hold a measured bench.json, counted the same way
+  int rounds() const;    ///< number of round folders, counted from 1 up to the first gap
+  int measured() const;  ///< number of rounds with a measured bench.json, counted likewise
 };
 
 /// A file or a folder of a loop project.
 struct PlaceInProject {
   Project project;
-  int round = 0;  ///< in whose folder it lies; 0: in no round's
+  int round = 0;  ///< its round; 0: in no round's folder
 };
 
-/// The project that a path belongs to: the nearest folder above it, or itself, with board.json, design.json and
-/// bench.json that is no round. Links count as they are written and, if that finds none, as they lead. The project's
-/// folder is named as the path is: relative to the working directory, or from the root. The path need not exist.
+/// Finds the project of a path: the nearest folder at or above it with board.json, design.json and bench.json, unless
+/// it is a round. Links are taken as written first, and resolved if this fails. The project's folder is relative or
+/// absolute like the path. The path need not exist.
 std::optional<PlaceInProject> project_of(const std::filesystem::path& path);
 
-/// Whether a path lies in a round's folder: there the loop does what comes next.
+/// Returns true for a path in a round's folder, whose next step is the loop's.
 bool is_in_round(const std::filesystem::path& path);
 
 }  // namespace burin

@@ -1,6 +1,5 @@
-// tools/project_settings.h - what a command takes from the project that it is given or run in, so that it asks nothing
-// that the project knows: machine, board, bench and what the depths follow. An option that is said goes before it;
-// outside of a project nothing is guessed.
+// tools/project_settings.h - defaults of commands inside a project: machine, board, bench and the heights for the
+// depths. An explicit option has priority. Commands outside of a project get no defaults.
 #pragma once
 
 #include <CLI/App.hpp>
@@ -15,29 +14,30 @@ namespace burin {
 
 struct ProjectSettings {
   PlaceInProject at;
-  std::string machine;  ///< as commands take it; empty: loop.toml does not name one
+  std::string machine;  ///< as commands take it; empty: not in loop.toml
   std::filesystem::path board;
-  std::filesystem::path bench;      ///< that the round is designed for; outside of a round, the one measured last
-  std::filesystem::path heights;    ///< of the sheet as it was probed for the round; empty: it was not
-  bool follow_bow = false;          ///< said in loop.toml
-  double f_number = 0;              ///< of photos whose EXIF has none, said in loop.toml; 0: not said
-  std::filesystem::path scratches;  ///< filled in by the command that knows them, like `light`; empty: none
+  std::filesystem::path bench;      ///< for which the round is designed; outside of a round, the latest measured one
+  std::filesystem::path heights;    ///< of the sheet, probed for the round; empty without a probe
+  bool follow_bow = false;          ///< from loop.toml
+  double f_number = 0;              ///< of photos without EXIF, from loop.toml; 0: not given
+  std::filesystem::path scratches;  ///< set by the command itself, like `light`; empty: none
   std::string light;
 };
 
-/// Of the project that `given` lies in, or else the working directory. Throws Error for a broken loop.toml.
+/// Reads the settings of the project around `given`, or else around the working directory. Throws Error for a broken
+/// loop.toml.
 std::optional<ProjectSettings> settings_around(const std::filesystem::path& given);
 
-/// A machine as a command was given it, with the reach that the project around `given` has kept if it is that
-/// project's machine and has none of its own.
+/// Reads a command's machine. If it is the machine of the project around `given` and has no reach of its own, it gets
+/// the project's reach.
 MachineProfile machine_in_project(const std::string& machine, const std::filesystem::path& given);
 
-/// The project's folder for a command that takes one: of a round's folder the project's, and where
-/// nothing is given, the one that the working directory lies in. Else what was given, for whoever reads it to
-/// judge. Throws CLI::RequiredError naming `argument` where there is neither.
+/// Returns the project folder for a command's argument. A round's folder gives its project, and an empty argument gives
+/// the project around the working directory. Another argument returns unchanged, for the reader to check. Throws
+/// CLI::RequiredError, naming `argument`, if there is neither.
 std::filesystem::path project_folder(const std::filesystem::path& given, const std::string& argument);
 
-/// The values of a command that a project may fill; null where the command has no such option.
+/// A command's values with defaults from the project; null for options that the command lacks.
 struct SettingsToTake {
   std::string* machine = nullptr;
   std::filesystem::path* scratches = nullptr;
@@ -49,8 +49,8 @@ struct SettingsToTake {
   double* f_number = nullptr;
 };
 
-/// Fills each from the project, unless its option was said or the project does not know it, and says so in one line:
-/// "note: from the project hum: machine grbl-spring, bench hum/bench.json".
+/// Fills each value from the project, unless its option is given or the project has no value. Prints one line: "note:
+/// from the project hum: machine grbl-spring, bench hum/bench.json".
 void take_from_project(const CLI::App& command, const ProjectSettings& settings, const SettingsToTake& into);
 
 }  // namespace burin

@@ -1,4 +1,4 @@
-// tools/standard_streams.h - standard input, output and error: there from the beginning, and checked at the end.
+// tools/standard_streams.h - standard input, output and error: open from the start, checked at the end.
 #pragma once
 
 #include <string>
@@ -7,23 +7,23 @@
 
 namespace burin {
 
-/// Where one of the three was closed (`burin ... >&-`), the next file that is opened would take its number, and what is
-/// said would go into that file: a stream that cannot be used takes its place.
+/// Opens a substitute for each closed standard stream (`burin ... >&-`). Otherwise the next opened file would get its
+/// number, and messages would end up in this file.
 void fill_closed_streams();
 
-/// Writes to standard error. Where it is closed or full nobody can be told, and nothing else fails by that.
+/// Writes to standard error. Ignores errors, since a closed or full stream leaves no other place for a message.
 void tell(std::string_view text);
 
-/// Writes to standard output, with what a terminal would obey instead of showing it as \xNN; line breaks stay. Errors
-/// are told at the end (exit_code_with_output_checked), so that nothing a command still has to do is lost by them.
+/// Writes to standard output, with control characters except line breaks as \xNN. exit_code_with_output_checked()
+/// reports errors at the end, so that they do not interrupt the command's work.
 void say_text(std::string_view text);
 
-/// Flushes standard output. The exit code as it was, or 1 with a sentence on standard error where what was said could
-/// not be written (a full disk behind `>`): a script must not take that for a result.
+/// Flushes standard output. Returns the given exit code, or 1 with a sentence on standard error if output was lost (a
+/// full disk behind `>`). A script must not mistake lost output for a result.
 int exit_code_with_output_checked(int exit_code);
 
-/// While it lives: where a command's --out is "-", its file goes to standard output (burin/base/files/write_file.h),
-/// and what it says to standard error.
+/// Handles --out "-" during its lifetime: the file goes to standard output (burin/base/files/write_file.h), and
+/// messages go to standard error.
 class ResultToOutput {
  public:
   explicit ResultToOutput(const std::vector<std::string>& arguments);

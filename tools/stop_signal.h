@@ -1,15 +1,15 @@
-// tools/stop_signal.h - being asked to stop, by Ctrl-C (SIGINT), by `kill` (SIGTERM), by a terminal that closes
-// (SIGHUP) or by any other signal that would end a process; and what becomes of faults.
+// tools/stop_signal.h - requests to stop, and uncaught faults. Requests are Ctrl-C (SIGINT), `kill` (SIGTERM), a closed
+// terminal (SIGHUP) and all other signals that end a process.
 //
-// One way for all commands. main() calls end_on_signals(); from then on a signal ends the process wherever it is: what
-// is being put in its place is still put there, all else that is unfinished is removed
-// (burin/base/files/unfinished.h), one sentence is said, and the exit code is 128 and the signal's number. This is
-// done by a thread of its own, so that no loop of ours or of a library has to ask. It is as safe as a power cut, since
-// every result is put in its place in one step (docs/reliability.md).
+// All commands use one mechanism. main() calls end_on_signals(). Afterwards a signal ends the process at any point.
+// Outputs that are being renamed into place are completed, and all other unfinished files are removed
+// (burin/base/files/unfinished.h). The process prints one sentence and exits with 128 plus the signal's number. A
+// separate thread does this, so that no loop of Burin or of a library needs to poll. It is as safe as a power cut,
+// since every result reaches its place in one step (docs/reliability.md).
 //
-// Work that is worth keeping (a design, a shoot with a camera on a cable) creates a StopOnSignal: while one lives, the
-// first signal only sets a flag, and the work ends with what it has; the exit code is the same. A second signal ends at
-// once, and so does Ctrl-\ (SIGQUIT).
+// Valuable work (a design, a tethered shoot) creates a StopOnSignal. During its lifetime, the first signal only sets a
+// flag, and the work ends with its present result and the same exit code. A second signal ends the process at once, and
+// so does Ctrl-\ (SIGQUIT).
 #pragma once
 
 #include <chrono>
@@ -19,50 +19,50 @@
 
 namespace burin {
 
-/// How a process that ends before its time speaks, while its other threads still run.
+/// Messages of a process that ends early while its other threads still run.
 struct StopWords {
-  /// The sentence and the exit code, before the end.
+  /// Prints the sentence, with the exit code, before the end.
   std::function<void(const std::string&, int)> last;
-  /// That a wish was heard by work that may take a while to end; may be empty.
+  /// Confirms a request during work that may take a while to end; may be empty.
   std::function<void(const std::string&)> heard;
-  /// The sentence for an exception that nothing has caught; null where there is none.
+  /// Returns the sentence for an uncaught exception; null for none.
   std::function<std::string(const std::exception_ptr&)> uncaught;
 };
 
-/// Begins it; once a process. Signals that were ignored (nohup) stay ignored. A pipe that nobody reads and a limit on
-/// files' sizes are errors of the write from then on, not signals. An exception that nothing catches ends the process
-/// with exit code 1. Throws Error where the system gives no thread.
+/// Starts the handling of signals; call it once per process. Ignored signals (nohup) stay ignored. A broken pipe and a
+/// file size limit become write errors instead of signals. An uncaught exception ends the process with exit code 1.
+/// Throws Error if no thread can be created.
 void end_on_signals(const std::string& command_line, StopWords words);
 
-/// The exit code of a process that a signal asked to stop: 130, 143, 129, ...; 0 while none has come.
+/// Exit code of a process after a request to stop: 130, 143, 129, ...; 0 without one.
 int stop_exit_code();
 
-/// The sentence about it: "stopped by Ctrl-C (SIGINT); ...". `kept`: the work ended with what it had.
+/// Returns the sentence about the request: "stopped by Ctrl-C (SIGINT); ...". `kept`: the work kept its result.
 std::string stop_sentence(bool kept = false);
 
-/// For whoever is about to say the last that a command says, such as an error: a signal that comes later lets it be
-/// said to its end, with its exit code, and says nothing itself. Where a signal came first and the process is being
-/// ended by it, this does not return.
+/// Call this before a command's last message, such as an error. A later signal then waits for the message and keeps its
+/// exit code, without its own message. If an earlier signal is already ending the process, this does not return.
 void take_last_word();
 
-/// What stop_if_asked() throws: no error, and caught by run_program() alone.
+/// Thrown by stop_if_asked() and caught only by run_program(). It is not an error.
 struct Stopped {};
 
-/// Between two steps of something long: throws Stopped if a signal has come.
+/// Throws Stopped after a request to stop. Call it between two steps of long work.
 void stop_if_asked();
 
-/// While one lives, the first signal only sets a flag; another one, half a second later or more, ends the process.
+/// Defers the first signal during its lifetime: it only sets a flag. Another one, half a second later or more, ends the
+/// process.
 class StopOnSignal {
  public:
   static constexpr std::chrono::milliseconds kAnyTime = std::chrono::milliseconds::max();
 
-  /// `longest`: how long the work may take to end by itself after the first signal; then the process ends.
+  /// `longest`: time limit for the work to end after the first signal; then the process ends.
   explicit StopOnSignal(std::chrono::milliseconds longest = kAnyTime);
   ~StopOnSignal();
   StopOnSignal(const StopOnSignal&) = delete;
   StopOnSignal& operator=(const StopOnSignal&) = delete;
 
-  /// Whether a signal has come.
+  /// Returns true after a request to stop.
   static bool asked();
 
  private:

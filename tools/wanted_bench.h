@@ -1,5 +1,5 @@
-// tools/wanted_bench.h - a project's design with the bench that it is for now: the one that the latest round measured,
-// or else the nominal one. For what a person takes to the wall: where to stand and which photos to take.
+// tools/wanted_bench.h - a project's design with its present bench: the latest measured one, or else the nominal one.
+// It is the basis of viewpoints and photo lists for the user.
 #pragma once
 
 #include <filesystem>
@@ -17,19 +17,19 @@ namespace burin {
 struct WantedBench {
   DesignSpec design;
   Board board;
-  Bench bench;  ///< views and lamps called as the design calls them
+  Bench bench;  ///< with the design's names of views and lamps
   std::filesystem::path board_file, bench_file;
-  std::filesystem::path
-      scratches;            ///< of the board on which they are or will be carved; empty if none are designed yet
-  int measured_rounds = 0;  ///< how many rounds have measured it; 0: it is nominal
-  std::vector<MatchTolerance> tolerances;  ///< one a view of the design, by shown_tolerances()
+  /// Scratches of the present or next carved board; empty without a design.
+  std::filesystem::path scratches;
+  int measured_rounds = 0;                 ///< number of rounds that measured it; 0: nominal
+  std::vector<MatchTolerance> tolerances;  ///< one per view of the design, by shown_tolerances()
 };
 
-/// Reads PROJECT/design.json and what it names, and the rounds there are. Throws Error for a folder without a
-/// design.json, and where it is not decided which measured view is which designed one (require_complete()).
+/// Reads PROJECT/design.json, the files that it names, and the rounds. Throws Error for a folder without design.json,
+/// and for an undecided match between measured and designed views (require_complete()).
 WantedBench wanted_bench(const Project& project);
 
-/// The eyes of the design's views, in its order, board frame, mm. Throws Error for a view that the bench lacks.
+/// Returns the eyes of the design's views, in its order, board frame, mm. Throws Error for a view missing in the bench.
 std::vector<Eigen::Vector3d> designed_eyes(const WantedBench& wanted);
 
 }  // namespace burin

@@ -1,5 +1,5 @@
-// tools/where_to_stand.h - where lamp and camera go for the views that a board is designed for, in words and mm: what a
-// person needs beside the board, before the first photo. The further photos are `burin plan`'s.
+// tools/where_to_stand.h - positions of lamp and camera for a design's views, in words and mm, for the time before the
+// first photo. `burin plan` handles all other photos.
 #pragma once
 
 #include <Eigen/Core>
@@ -13,13 +13,14 @@
 
 namespace burin {
 
-/// Lines, each ending in a newline and none indented: the lamps, each designed view with how far its eye may stand
-/// aside (`tolerances`: by shown_tolerances()), focus, and exposures: in seconds where the bench was measured. Throws
-/// Error for views and lamps that the bench lacks.
+/// Returns unindented lines, each with a newline. They give the lamps, the designed views with the tolerance of each
+/// eye (`tolerances`: by shown_tolerances()), focus and exposures. A measured bench has exposures in seconds. Throws
+/// Error for views and lamps missing in the bench.
 std::string where_to_stand(const DesignSpec& design, const Bench& bench, const Board& board,
                            const std::vector<MatchTolerance>& tolerances);
 
-/// The median distance of eyes from the board's middle, mm: where the lens is focused for all photos. 0 without eyes.
+/// Returns the focus distance of all photos: the median distance of the eyes from the board's center, mm. 0 without
+/// eyes.
 double focus_distance_mm(const std::vector<Eigen::Vector3d>& eyes_mm, const Board& board);
 
 }  // namespace burin

@@ -1,5 +1,5 @@
-// tools/tether/tethered_camera.h - a camera on a cable: its exposure times, and photos from it into a folder. The one
-// file that talks to libgphoto2 is gphoto2_camera.cpp; where Burin was built without it, opening a camera says so.
+// tools/tether/tethered_camera.h - a tethered camera: its exposure times, and photos from it into a folder.
+// gphoto2_camera.cpp alone uses libgphoto2. A build without this library throws Error when it opens a camera.
 #pragma once
 
 #include <filesystem>
@@ -11,52 +11,52 @@
 
 namespace burin {
 
-/// A file that a camera handed over only after it had been released again.
+/// A file that the camera delivered after its next release.
 struct LateFile {
-  std::filesystem::path file;                 ///< our copy
-  std::vector<std::filesystem::path> beside;  ///< the other files of the photo that it is of
+  std::filesystem::path file;                 ///< the copy on disk
+  std::vector<std::filesystem::path> beside;  ///< other files of the same photo
 };
 
-/// What the camera handed over when it was released.
+/// Files that the camera delivered after one release.
 struct TakenPhoto {
   std::vector<std::filesystem::path> files;  ///< of this photo: raw and JPEG
-  std::vector<LateFile> late;                ///< of earlier ones
+  std::vector<LateFile> late;                ///< of earlier photos
 };
 
-/// A connected camera, at manual exposure. Whatever of its settings is changed is put back at the end.
+/// A connected camera at manual exposure. The destructor restores all changed settings.
 class TetheredCamera {
  public:
-  /// Connects to the camera that there is, or to the one at `port` ("usb:001,005") where there are several. Automatic
-  /// ISO is switched off, and photos are made to stay on the card. Throws Error where there is no camera or none at
-  /// that port, where another program holds it, and for one whose exposure time cannot be set: its dial is not at M.
+  /// Connects to the only camera, or to one of several by its `port` ("usb:001,005"). Switches automatic ISO off and
+  /// keeps photos on the card. Throws Error for no camera, for none at that port, and for a camera in use by another
+  /// program. Throws Error for a fixed exposure time, when the dial is not at M.
   explicit TetheredCamera(const std::string& port = "");
-  /// Puts settings back, as far as the camera still answers.
+  /// Restores the settings if the camera still answers.
   ~TetheredCamera();
   TetheredCamera(const TetheredCamera&) = delete;
   TetheredCamera& operator=(const TetheredCamera&) = delete;
 
   const std::string& model() const;
 
-  /// The exposure times of its dial, s, ascending.
+  /// Exposure times of the camera's dial, s, ascending.
   const std::vector<double>& shutters_s() const;
 
-  /// What it is set to now; 0 for a time that is none ("bulb").
+  /// Present exposure time, s; 0 for "bulb".
   double shutter_s() const;
 
-  /// Sets the time of its dial that is nearest (in stops), and returns it.
+  /// Sets the dial's nearest time (in stops) and returns it.
   double set_shutter(double exposure_s);
 
-  /// Takes a photo, and puts all files that it makes of it (raw and JPEG) into the folder, whole or not at all; files
-  /// of their names that are there already stay, and these get "-2" behind theirs. They stay on the card as well.
-  /// Waits until as many files are there as the camera's settings promise, or as it made of a photo before; a file that
-  /// comes later still is put to the photo that its name, else its EXIF, says it is of. `stopped` ends the waiting.
-  /// Throws Error where the camera does not answer any more, its card is full, or the folder cannot be written.
+  /// Takes a photo and puts all its files (raw and JPEG) into the folder, whole or not at all. If a name is taken, the
+  /// new file gets the suffix "-2". The files also stay on the card. Waits until the number of files expected from the
+  /// camera's settings, or from an earlier photo, has arrived. A later file goes to the photo that its name, or else
+  /// its EXIF, identifies. `stopped` ends the waiting. Throws Error for a camera without answer, a full card, and a
+  /// folder without write permission.
   TakenPhoto take(const std::filesystem::path& folder, const std::function<bool()>& stopped = {});
 
-  /// Files that are late still, when no further photo will be taken.
+  /// Returns late files when no further photo follows.
   std::vector<LateFile> late_files(const std::filesystem::path& folder);
 
-  /// Puts settings back. Throws Error where the camera does not take them, naming what it is left at.
+  /// Restores the settings. If the camera refuses, throws Error with its remaining values.
   void put_back();
 
  private:
@@ -64,7 +64,8 @@ class TetheredCamera {
   std::unique_ptr<State> state_;
 };
 
-/// A time as cameras write it: "1/60", "1/2.5", "0.0166s", "2", "0\"4", "30\""; 0 for "Bulb", "Auto" and the like.
+/// Parses a camera's exposure time, s: "1/60", "1/2.5", "0.0166s", "2", "0\"4", "30\""; 0 for "Bulb", "Auto" and
+/// similar.
 double seconds_of_dial(std::string_view text);
 
 }  // namespace burin

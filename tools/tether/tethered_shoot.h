@@ -1,5 +1,5 @@
-// tools/tether/tethered_shoot.h - brackets by a connected camera, each photo judged the moment it is there: from the
-// first exposure on, the next one follows from what the last one shows.
+// tools/tether/tethered_shoot.h - exposure brackets with a tethered camera. Each photo is judged immediately, and its
+// result determines the next exposure.
 #pragma once
 
 #include <CLI/App.hpp>
@@ -13,31 +13,32 @@
 
 namespace burin {
 
-/// Told after each photo: the shoot with it, the seconds it took to judge it, and the processor's.
+/// Called after each photo: the shoot including it, the seconds of judging, and the processor seconds of all threads.
 using PhotoTold = std::function<void(const Shoot& shoot, double seconds, double processor_seconds)>;
 
-/// One bracket from where the camera stands, its photos put into `photos` and taken into `shoot`. First the tags' paper
-/// at 60 % of white, beginning with the time that the camera is set to; then, where `stops` is empty, three stops
-/// darker each time until no glint is clipped, or else as many stops from the paper's exposure as each of `stops` says.
-/// Photos on the way to the first good exposure of the paper are left on the card alone. Empty, or why the bracket
-/// ended before it was whole. Ends between two photos when `stopped` says so. Throws Error as the camera does.
+/// Takes one bracket from the camera's present place. Puts the photos into `photos` and into `shoot`. The first
+/// exposure shows the tags' paper at 60 % of white; the search starts at the camera's present time. If `stops` is
+/// empty, each further photo is three stops darker until no glint clips. Otherwise each of `stops` gives an exposure
+/// relative to the paper's. Photos before the first good exposure stay on the card only. Returns an empty string, or
+/// the reason for an incomplete bracket. Ends between two photos when `stopped` returns true. Throws the camera's
+/// errors.
 std::string take_bracket(TetheredCamera& camera, const std::vector<double>& stops, const std::filesystem::path& photos,
                          Shoot& shoot, const PhotoTold& told, const std::function<bool()>& stopped);
 
-/// How a whole shoot goes.
+/// Options of a whole shoot.
 struct TetheredShoot {
-  std::string port;              ///< of the camera; empty: the one there is
-  std::vector<double> stops;     ///< of each bracket; empty: by what the photos show
+  std::string port;              ///< of the camera; empty: the only one
+  std::vector<double> stops;     ///< of each bracket; empty: from the photos
   std::filesystem::path photos;  ///< the folder
-  bool once = false;             ///< one bracket, without asking
+  bool once = false;             ///< one bracket, without questions
 };
 
-/// --brackets and --port, which go with the flag `tether`.
+/// Adds --brackets and --port, which need the flag `tether`.
 void add_tether_options(CLI::App& command, CLI::Option* tether, std::vector<double>& stops, std::string& port);
 
-/// Asks for the camera to be put to the next place, again and again, and takes a bracket from each: Enter on standard
-/// input takes one, q or the input's end ends it, and so does Ctrl-C (between two photos). Then puts the camera's
-/// settings back. Prints what it does. Throws Error as the camera does; photos so far are kept.
+/// Asks repeatedly for a new place of the camera, and takes a bracket there. Enter on standard input takes one; q, the
+/// end of the input, or Ctrl-C (between two photos) ends the shoot. Restores the camera's settings at the end. Prints
+/// its steps. Throws the camera's errors; earlier photos remain.
 void shoot_tethered(const TetheredShoot& how, Shoot& shoot, const PhotoTold& told);
 
 }  // namespace burin

@@ -1,10 +1,10 @@
-// tools/watch/kept_copies.h - copies of photos, made while the photos themselves may still be arriving.
+// tools/watch/kept_copies.h - copies of photos while these may still be arriving.
 //
-// Nothing tells of every kind of file whether its last byte has come: a program that syncs may give a file its whole
-// size first and fill it later, with pauses. So a photo is copied only once its bytes have stayed the same for a while,
-// the copy is compared with it, and as long as the photo is there it is read again now and then, ever more seldom.
-// Where it has changed, the copy is replaced. A file that is there already under the photo's name is replaced if it is
-// a half of the photo (cut off, or zero where the photo has something else), else it stays, and the copy gets a number.
+// No general test shows that a file is complete. A synchronization program may give a file its full size first and fill
+// it later, with pauses. A photo is therefore copied only after its bytes stayed constant for a while. The copy is
+// compared with the photo, and the photo is read again at growing intervals. A changed photo replaces its copy. An
+// existing file of the photo's name is replaced if it is an incomplete copy: truncated, or zero at differing bytes.
+// Otherwise it stays, and the copy gets a number.
 #pragma once
 
 #include <sys/stat.h>
@@ -21,28 +21,28 @@ namespace burin {
 
 class KeptCopies {
  public:
-  /// `event` is a short name of it ("not copied"), `words` the sentence.
+  /// Receives a short name of the `event` ("not copied") and a sentence in `words`.
   using Report =
       std::function<void(const std::string& event, const std::filesystem::path& photo, const std::string& words)>;
 
-  /// `stays`: for how long a photo's bytes must not have changed.
+  /// `stays`: time without change before a photo is copied.
   KeptCopies(std::chrono::milliseconds stays, Report report);
 
-  /// A photo that was judged just now is to be copied into that folder, instead of any other.
+  /// Schedules a judged photo for a copy into that folder, instead of any earlier one.
   void want(const std::filesystem::path& photo, const std::filesystem::path& into);
 
-  /// The photo has another name now.
+  /// Records the new name of a photo.
   void rename(const std::filesystem::path& from, const std::filesystem::path& to);
 
-  /// Copies what has stayed, and reads what was copied once more if it is time. Returns photos whose bytes have changed
-  /// although their size and time have not: they are to be judged anew. Reports what cannot be copied, and tries again.
+  /// Copies photos without recent change, and reads copied photos again when due. Returns photos with changed bytes but
+  /// unchanged size and time, for a new judgment. Reports failed copies and retries them.
   std::vector<std::filesystem::path> look();
 
-  /// How many photos are still to be copied; of those, how many could not be when it was tried last.
+  /// Number of photos without a copy, and the number of these whose latest attempt failed.
   int waiting() const;
   int refused() const;
 
-  /// Reports which photos are not copied yet, or have changed since.
+  /// Reports photos without a copy, and photos that changed after it.
   void report_rest() const;
 
  private:
@@ -54,12 +54,12 @@ class KeptCopies {
   };
   struct Kept {
     std::filesystem::path into;
-    std::filesystem::path copy;  ///< empty: there is none yet
-    std::string copied;          ///< the copy's hash
-    Stamp stamp;                 ///< of the photo, when it was read last
-    std::string hash;            ///< of its bytes then; empty: not read yet
-    std::string complaint;       ///< why it could not be copied, as reported last
-    Clock::time_point next;      ///< when it is read the next time
+    std::filesystem::path copy;  ///< empty: no copy yet
+    std::string copied;          ///< hash of the copy
+    Stamp stamp;                 ///< of the photo at the latest reading
+    std::string hash;            ///< of its bytes at that time; empty: not read yet
+    std::string complaint;       ///< latest reported reason for a failed copy
+    Clock::time_point next;      ///< time of the next reading
     std::chrono::milliseconds wait{0};
     bool waits = true;
   };
@@ -74,8 +74,8 @@ class KeptCopies {
   std::map<std::filesystem::path, Kept> kept_;
 };
 
-/// Whether every byte of `half` is either that of `whole` or zero (or cut off), and some are not that of `whole`: a
-/// copy that was never ended. Throws Error where one cannot be read.
+/// Returns true if `half` is an incomplete copy of `whole`: truncated, or zero at every differing byte, and not
+/// identical. Throws Error for an unreadable file.
 bool is_half_of(const std::filesystem::path& half, const std::filesystem::path& whole);
 
 }  // namespace burin

@@ -1,9 +1,9 @@
-// tools/watch/photo_inbox.h - a folder that photos arrive in, looked at again and again: which are whole by now, which
-// have gone, which only got another name.
+// tools/watch/photo_inbox.h - polls a folder for photos and reports complete, removed and renamed ones.
 //
-// By looking, not by the kernel's messages: network shares and phones' syncs send none. A file counts as whole when its
-// size and time have stayed between two looks, and for so long as is asked for: copies come in bursts. One that cannot
-// be read then is tried again whenever it grows, and given up (for now) when it has not for kGivenUp.
+// Polling replaces the kernel's notifications, which network shares and phone synchronization do not send. A file
+// counts as complete when its size and time are equal in two looks and stay constant for the requested time, since
+// copies come in bursts. An unreadable file is tried again whenever it grows. It is given up, for the present, after
+// kGivenUp without growth.
 #pragma once
 
 #include <chrono>
@@ -16,40 +16,39 @@
 
 namespace burin {
 
-/// What a look at the folder found.
+/// Result of one look at the folder.
 struct InboxNews {
   bool folder_there = true;
-  std::string why_not;                       ///< where it is not there: what the system says
-  std::vector<std::filesystem::path> whole;  ///< new, or changed since it was taken; in the order of their names
+  std::string why_not;                       ///< the system's error for a missing folder
+  std::vector<std::filesystem::path> whole;  ///< new, or changed after it was taken; in the order of their names
   std::vector<std::filesystem::path> gone;   ///< taken before
   std::vector<std::pair<std::filesystem::path, std::filesystem::path>> renamed;  ///< taken before: from, to
-  std::vector<std::filesystem::path> given_up;  ///< put back by not_yet(), and no byte has come since
+  std::vector<std::filesystem::path> given_up;  ///< returned by not_yet(), without growth afterwards
 };
 
-/// A folder being watched, with the folders within that are named after lamps (burin/capture/lamp_folders.h), which may
-/// come and go. Other folders within, hidden files, and names that programs give to files in the making (.part,
-/// .tmp, .icloud, ...) are passed over.
+/// A watched folder with its subfolders of lamps (burin/capture/lamp_folders.h), which may appear and disappear. It
+/// skips other subfolders, hidden files, and temporary names (.part, .tmp, .icloud, ...).
 class PhotoInbox {
  public:
   static constexpr std::chrono::seconds kGivenUp{5};
 
-  /// `stays`: how long size and time must not have changed.
+  /// `stays`: time for which size and time of change must be constant.
   explicit PhotoInbox(std::filesystem::path folder, std::vector<std::string> lamps = {},
                       std::chrono::milliseconds stays = {});
 
   const std::filesystem::path& folder() const { return folder_; }
 
-  /// Looks once. What is whole counts as taken from then on. At the first look every file counts as unchanged since
-  /// long ago.
+  /// Looks once. Complete files count as taken afterwards. The first look treats every file as unchanged for a long
+  /// time.
   InboxNews look();
 
-  /// A photo that was given out could not be read: it may not be whole after all.
+  /// Returns an unreadable photo, which may be incomplete.
   void not_yet(const std::filesystem::path& file);
 
-  /// How many files and folders were passed over at the last look that hold no photo by their first bytes.
+  /// Number of files and folders skipped at the latest look whose first bytes are no photo's.
   int passed_over() const { return passed_over_; }
 
-  /// Whether a file is on its way: seen, and not yet whole or given up.
+  /// Returns true while a seen file is neither complete nor given up.
   bool expects() const;
 
  private:

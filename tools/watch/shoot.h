@@ -1,5 +1,5 @@
-// tools/watch/shoot.h - the photos of a board as they come in, beside those that are wanted of it: which is which, what
-// is missing, what to take now. Facts; tools/watch/say_shoot.h has the sentences.
+// tools/watch/shoot.h - incoming photos of a board and the wanted ones: their assignment, the missing shots and the
+// next step. This file has the facts; tools/watch/say_shoot.h has the sentences.
 #pragma once
 
 #include <cstddef>
@@ -14,56 +14,56 @@
 
 namespace burin {
 
-/// One photo, and where it belongs.
+/// One photo and its assignment.
 struct JudgedPhoto {
   PhotoFacts facts;
-  std::string light;                   ///< the lamp that was on; empty: not known, so any
-  std::vector<Finding> faults;         ///< photo_faults() when it came
-  std::optional<std::size_t> shot;     ///< of the wanted ones, the one that it is
-  std::optional<std::size_t> nearest;  ///< of the wanted ones, the nearest; none without a pose
-  Offset offset;                       ///< from the place of `nearest` to where it was taken
-  bool wrong_way_up = false;           ///< `nearest` wants the camera on its side, or this one is and should not
-  std::optional<double> stops;         ///< of exposure, above the one that has the tags' paper at 60 % of white
+  std::string light;                   ///< the lamp that was on; empty: unknown, so any
+  std::vector<Finding> faults;         ///< photo_faults() at its arrival
+  std::optional<std::size_t> shot;     ///< index of its wanted shot
+  std::optional<std::size_t> nearest;  ///< index of the nearest wanted shot; none without a pose
+  Offset offset;                       ///< from the place of `nearest` to the camera
+  bool wrong_way_up = false;    ///< true if the camera's rotation (upright or on its side) differs from `nearest`
+  std::optional<double> stops;  ///< exposure in stops above the one with the tags' paper at 60 % of white
 };
 
-/// How far one wanted shot is.
+/// Progress of one wanted shot.
 enum class ShotState {
   open,   ///< no photo of it
-  begun,  ///< photos, but none with the tags well exposed, or none with the glints held
+  begun,  ///< photos, but none with well exposed tags, or none with unclipped glints
   again,  ///< only photos with faults
   done
 };
 
-/// A board being photographed.
+/// A board and its photos so far.
 struct Shoot {
   Board board;
   std::optional<Lens> lens;  ///< of the bench
-  double f_number = 0;       ///< of photos whose EXIF has none; 0: not known
+  double f_number = 0;       ///< of photos without EXIF; 0: unknown
   std::vector<WantedShot> wanted;
-  std::string light;  ///< the lamp that is on in the next photos; empty: not known, then shots come in their order
-  std::size_t least_places = 0;        ///< from which photos are wanted in all; a plan knows better
-  std::optional<std::size_t> sent_to;  ///< the shot that was last gone to, before the last photo came
-  std::vector<JudgedPhoto> photos;     ///< in the order in which they came
+  std::string light;                   ///< the lamp of the next photos; empty: unknown, then shots follow their order
+  std::size_t least_places = 0;        ///< number of wanted places in all, if no plan gives it
+  std::optional<std::size_t> sent_to;  ///< the shot of the latest `move` before the latest photo
+  std::vector<JudgedPhoto> photos;     ///< in the order of arrival
 };
 
-/// Whether a photo is from a place of its own, of use where no plan names the further ones: not a wanted shot missed.
+/// Returns true for a photo from a new place that is useful without a plan, and no near miss of a wanted shot.
 bool is_further_place(const JudgedPhoto& photo, const Shoot& shoot);
 
-/// Takes a photo in, judged by judge_photo(); one of the same file that was there before is replaced.
+/// Adds a photo with the result of judge_photo(); replaces an earlier photo of the same file.
 const JudgedPhoto& add_photo(PhotoFacts facts, Shoot& shoot);
 
-/// Forgets the photo of a file; false if there was none.
+/// Removes the photo of a file; returns false if there is none.
 bool remove_photo(const std::filesystem::path& file, Shoot& shoot);
 
 ShotState state_of(const Shoot& shoot, std::size_t shot);
 
-/// At how many places photos without errors were taken.
+/// Number of places of photos without errors.
 std::size_t places_of(const Shoot& shoot);
 
-/// What to do now.
+/// The next step of the photographer.
 struct NextStep {
   enum class Kind {
-    retake,   ///< the last photo once more, without its faults
+    retake,   ///< repeat the latest photo without its faults
     expose,   ///< from the same place, with `factor`
     move,     ///< go to `shot`
     further,  ///< go to any further place: all wanted shots are done, but they are too few
@@ -71,14 +71,14 @@ struct NextStep {
   };
   Kind kind = Kind::finished;
   std::optional<std::size_t> shot;
-  /// exposure_s iso / 100 / f_number^2 to take it at: 0 where nothing tells.
+  /// Exposure as exposure_s iso / 100 / f_number^2; 0: unknown.
   double factor = 0;
-  bool for_glints = false;  ///< `factor` is for them, else for the tags' paper
+  bool for_glints = false;  ///< `factor` is for the glints, otherwise for the tags' paper
 };
 NextStep next_step(const Shoot& shoot);
 
-/// Whether the bracket of the last photo still lacks an exposure, and which: `expose`, or else `finished`. Only
-/// photos from index `from` on count.
+/// Returns `expose` with the missing exposure of the latest photo's bracket, or `finished`. Only photos from index
+/// `from` on count.
 NextStep next_exposure(const Shoot& shoot, std::size_t from = 0);
 
 }  // namespace burin

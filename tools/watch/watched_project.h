@@ -1,5 +1,5 @@
-// tools/watch/watched_project.h - what a project's photos are held against: which board, which lens, which shots, and
-// what comes when they are there.
+// tools/watch/watched_project.h - the board, lens and shots with which a project's photos are compared, and the next
+// command.
 #pragma once
 
 #include <filesystem>
@@ -11,25 +11,25 @@
 
 namespace burin {
 
-/// Where photos are looked for, and what of.
+/// The watched folder and the wanted photos.
 struct WatchedProject {
   std::filesystem::path photos;  ///< the folder
-  std::filesystem::path keep;    ///< the folder that `burin loop` takes photos from; empty without a round
+  std::filesystem::path keep;    ///< the folder from which `burin loop` takes photos; empty without a round
   Shoot shoot;
   /// Photos of other rounds, by content (photos_of_other_rounds() of tools/loop/round_lamps.h).
   std::map<std::string, std::string> other_rounds;
-  /// The bench's lamps that photos are wanted under: of several, each has a folder of its name in `photos` and `keep`.
+  /// Lamps of the wanted photos. Each of several lamps has a folder of its name in `photos` and `keep`.
   std::vector<std::string> lamps;
-  std::string wanted_from;  ///< "plan/plan.json", "design.json"; empty where nothing says which photos are wanted
-  std::string plan_line;    ///< the command that plans, where there is no plan; else empty
-  std::string next;         ///< the command for when the photos are there
+  std::string wanted_from;  ///< "plan/plan.json", "design.json"; empty if nothing defines wanted photos
+  std::string plan_line;    ///< the command for a plan, if there is none; else empty
+  std::string next;         ///< the command after the photos
 };
 
-/// Reads a project: the board of its last round, or its own board.json before there is one; the bench before that
-/// round; the shots of `plan` (or, if that is empty, of a plan.json in the round, the project, or a folder plan in
-/// either), or else the design's views. `photos`: the folder; empty for the round's own, which is made if it is not
-/// there. Throws Error for a project without a board, a folder of photos that is not there, a round that is measured
-/// already or none (unless `photos` is given), and files that cannot be read.
+/// Reads the board of the project's last round, or its own board.json before the first round, and the bench before that
+/// round. The shots come from `plan`. If it is empty, they come from plan.json in the round, in the project, or in a
+/// folder plan in either, or else from the design's views. `photos`: the folder; empty: the round's own, which is made
+/// if missing. Throws Error for a project without a board, a missing folder of photos, and unreadable files. Throws
+/// Error for a measured or missing round, unless `photos` is given.
 WatchedProject watched_project(const std::filesystem::path& project, const std::filesystem::path& photos,
                                const std::filesystem::path& plan);
 
