@@ -1,4 +1,4 @@
-// tools/loop/aside.h - results that are replaced are moved, never deleted: a person may have carved them.
+// tools/loop/aside.h - moves replaced results instead of deleting them, because the user may have carved them.
 #pragma once
 
 #include <filesystem>
@@ -10,21 +10,20 @@
 
 namespace burin {
 
-/// Before a stage is made: writes its record as begun, and moves what it left before to round-NN/former/NN-STAGE, with
-/// the record of that beside it as made.json. Returns that folder; empty if there was nothing. A move that was cut off
-/// is completed when the stage begins again. The page of a check that was refused is no result: it is removed.
+/// Begins a stage: writes its record as begun and moves its earlier outputs to round-NN/former/NN-STAGE, with their
+/// record as made.json. Returns that folder; empty if there were no outputs. The next begin completes an interrupted
+/// move. The page of a refused check is no result and is deleted.
 std::filesystem::path begin_stage(const LoopProject& loop, const StageOfRound& at, const MadeRecord& begun,
                                   ContentHashes& hashes);
 
-/// Behind begin_stage(), of a design or a measurement (what takes long): where the stage was made before by this
-/// version from the same contents with the same options, and a former/ folder still has all of it as it was left then,
-/// puts that back, writes its record, and returns the folder that it came from (gone by now); else empty. `begun`: as
-/// begin_stage() wrote it.
+/// Restores an earlier design or measurement, which take long to make; call it after begin_stage(). A former/ folder
+/// qualifies if this version made it from the same contents with the same options, and if it is unchanged. Moves its
+/// files back, writes their record, and returns the former folder, which no longer exists. Returns an empty path if
+/// none qualifies. `begun`: as written by begin_stage().
 std::filesystem::path restore_former(const LoopProject& loop, const StageOfRound& at, const MadeRecord& begun,
                                      ContentHashes& hashes);
 
-/// Removes files that writing was cut off in: ".NAME.part-PID-..." of processes that are no more, in the project's own
-/// folders.
+/// Removes partial files ".NAME.part-PID-..." of ended processes from the project's own folders.
 void remove_half_written(const Project& project);
 
 }  // namespace burin

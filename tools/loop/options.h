@@ -1,4 +1,4 @@
-// tools/loop/options.h - what a project is made with: PROJECT/loop.toml (docs/file-formats.md).
+// tools/loop/options.h - options of a project: PROJECT/loop.toml (docs/file-formats.md).
 //
 //   format = "burin/loop"
 //   version = 1
@@ -12,8 +12,8 @@
 //   [capture]
 //   f-number = 8                       # of photos whose EXIF has none
 //
-// Which options there are is known to the commands alone (tools/commands.h): a table is checked by parsing it as the
-// command line that it becomes.
+// Only the commands know their options (tools/commands.h). A table is therefore checked by parsing it as a command
+// line.
 #pragma once
 
 #include <CLI/App.hpp>
@@ -29,51 +29,50 @@
 
 namespace burin {
 
-/// The options of one command: the name without its dashes to its values as text; a flag has none.
+/// Options of one command: values as text by name without dashes; a flag has none.
 using CommandOptions = std::map<std::string, std::vector<std::string>>;
 
 struct LoopOptions {
   std::string machine;  ///< a built-in name, or a file relative to the project; empty: grbl
   CommandOptions design, toolpath, capture;
   std::vector<std::string> accept_unknown;
-  std::optional<MachineBounds> travel;  ///< MachineProfile's
+  std::optional<MachineBounds> travel;  ///< as in MachineProfile
   bool travel_is_unknown = false;
 };
 
-/// PROJECT/loop.toml; what it leaves out, or all if it is not there, is as if never said. Throws Error naming file,
-/// line and key.
+/// Reads PROJECT/loop.toml. Missing keys, or a missing file, count as not given. Throws Error with file, line and key.
 LoopOptions read_loop_options(const std::filesystem::path& project);
 
-/// The options of `burin loop` that are kept in loop.toml.
+/// Options of `burin loop` that loop.toml stores.
 struct LoopCommandLine {
   std::shared_ptr<void> design_values, toolpath_values, capture_values;
   CLI::App* design = nullptr;
   CLI::App* toolpath = nullptr;
   CLI::App* capture = nullptr;
   std::string machine;
-  std::string travel;  ///< "300x180" or "unknown"; empty: not said
+  std::string travel;  ///< "300x180" or "unknown"; empty: not given
 };
 
-/// Adds them to the command; `said` outlives it.
+/// Adds the options to the command; `said` must outlive it.
 void add_loop_options(CLI::App& command, LoopCommandLine& said);
 
-/// Writes what the command line says otherwise than loop.toml into it, all else in it staying as it is, and returns
-/// what then holds. Files that were named from the working directory are named from the project. Throws Error where a
-/// line cannot be changed by a program.
+/// Writes differing options of the command line into loop.toml, leaves the rest unchanged, and returns the resulting
+/// options. Paths relative to the working directory become relative to the project. Throws Error for a line that a
+/// program cannot change.
 LoopOptions remember_options(const LoopCommandLine& said, const std::filesystem::path& project);
 
-/// The machine's profile, with the reach that loop.toml has where the profile has none.
+/// Returns the machine's profile. If the profile has no reach, it gets the reach in loop.toml.
 MachineProfile machine_of(const LoopOptions& options, const std::filesystem::path& project);
 
-/// The machine as the commands take it, from the working directory.
+/// Returns the machine as an argument of commands, relative to the working directory.
 std::string machine_argument(const LoopOptions& options, const std::filesystem::path& project);
 
-/// The options as words of a command line, files usable from the working directory.
+/// Return the options as words of a command line, with files relative to the working directory.
 std::vector<std::string> design_arguments(const LoopOptions& options, const std::filesystem::path& project);
 std::vector<std::string> toolpath_arguments(const LoopOptions& options, const std::filesystem::path& project);
 std::vector<std::string> capture_arguments(const LoopOptions& options, const std::filesystem::path& project);
 
-/// Files that the options name, and their texts for a record: "machine", and each option.
+/// Files among the options, and texts of the options for a record: "machine", and each option.
 std::vector<std::filesystem::path> design_option_files(const LoopOptions& options,
                                                        const std::filesystem::path& project);
 std::vector<std::filesystem::path> toolpath_option_files(const LoopOptions& options,

@@ -1,5 +1,5 @@
-// tools/loop/printed_sheet.h - whether the sheet that a person printed (burin sheet) is still that of the board to be
-// photographed: PROJECT/made/sheet.json holds its places, and which scratches its photos were planned for.
+// tools/loop/printed_sheet.h - checks if the printed sheet (burin sheet) still fits the board to be photographed.
+// PROJECT/made/sheet.json holds the sheet's places and the scratches of its photo plan.
 #pragma once
 
 #include <filesystem>
@@ -10,11 +10,11 @@
 
 namespace burin {
 
-/// Writes it, after the sheet of that bench was made as these files.
+/// Writes sheet.json after a sheet of that bench was written to these files.
 void record_sheet(const Project& project, const WantedBench& wanted, const std::vector<std::filesystem::path>& files);
 
-/// What changed since, in words: "the place of view \"d0\"", "the scratches, for which its photos were planned". Empty
-/// where nothing did, or no sheet was made.
+/// Returns the changes since then, in words: "the place of view \"d0\"", "the scratches, for which its photos were
+/// planned". Empty without changes, and without a sheet.
 std::string changed_since_sheet(const Project& project);
 
 }  // namespace burin

@@ -1,6 +1,5 @@
-// tools/loop/round_depth.h - how deep a round's grooves are designed, once photos measured what the machine makes of a
-// depth: as deep as board.json wants them. The machine is then told the depth that makes that one, as far as its depth
-// table reaches. docs/model.md 7.4.
+// tools/loop/round_depth.h - depth of a round's grooves after photos measured the machine's depths. The design uses the
+// depth in board.json. The machine then gets the commanded depth for it, within its depth table (docs/model.md 7.4).
 #pragma once
 
 #include <optional>
@@ -12,15 +11,15 @@
 namespace burin {
 
 struct RoundDepth {
-  double told_um = 0, made_um = 0,
-         sigma_um = 0;    ///< of the rounds before: told the machine, and measured, with its sigma
-  double wanted_um = 0;   ///< board.json's
-  double depth_um = 0;    ///< designed: as wanted, or as near as the machine's table allows
-  double command_um = 0;  ///< told for it
+  /// Commanded and measured depth of the rounds before, with the measurement's sigma.
+  double told_um = 0, made_um = 0, sigma_um = 0;
+  double wanted_um = 0;   ///< in board.json
+  double depth_um = 0;    ///< of the design: as wanted, or the nearest in the machine's table
+  double command_um = 0;  ///< commanded for it
 };
 
-/// Of the round `number`. Nothing where no depth was measured, or what was measured is what was told: within two
-/// sigmas, or 3 %. Throws Error for files that cannot be read.
+/// Computes the depth of round `number`. Returns nothing without a measured depth, and if the measured depth agrees
+/// with the commanded one within two sigmas or 3 %. Throws Error for unreadable files.
 std::optional<RoundDepth> depth_of_round(const Project& project, const LoopOptions& options, int number);
 
 /// "the machine makes 10.3 +- 0.1 um of 14 um that it is told: this board is designed 14 um deep, and told 19.0 um for

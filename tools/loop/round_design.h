@@ -1,4 +1,4 @@
-// tools/loop/round_design.h - what one round designs for, and what a person said of its photos' names.
+// tools/loop/round_design.h - design.json of one round, and the user's names for its photos.
 #pragma once
 
 #include <filesystem>
@@ -9,26 +9,25 @@
 
 namespace burin {
 
-/// Writes a round's design.json: the project's pictures, for the bench as it is known before that round (from the
-/// second on bench-before.json, which is written beside it). Throws Error where it is not certain which photo was taken
-/// from a designed view, with the candidates and their distances (tools/match_views.h).
+/// Writes a round's design.json: the project's pictures, for the bench known before that round. From the second round
+/// on, this is bench-before.json, written next to it. If the match between photos and designed views is uncertain,
+/// throws Error with candidates and distances (tools/match_views.h).
 void write_round_design(const Project& project, int number, const std::filesystem::path& file);
 
-/// Throws Error where design.json names another board or bench than the project's own: tool path and photos of a loop
-/// are made with these.
+/// Throws Error if design.json names another board or bench than the project's own, which tool path and photos use.
 void require_own_files(const Project& project);
 
-/// Throws Error where design.json and what it names cannot be read, or board.json contradicts the bench that a round is
-/// designed for (burin/scene/bench_of_board.h).
+/// Throws Error if design.json or its files are unreadable, or if board.json contradicts the bench of the round's
+/// design (burin/scene/bench_of_board.h).
 void require_one_truth(const Project& project, int number);
 
-/// Throws Error wherever a round's design would be refused for what it is made from: require_one_truth() and, from the
-/// second round on, photos of which it is not certain which is which. To be asked before anything is moved.
+/// Throws Error if the inputs of a round's design are invalid: require_one_truth() and, from the second round on,
+/// uncertain matches of photos. Call it before any file is moved.
 void require_designable(const Project& project, int number);
 
-/// Adds "middle=v01" of --view and "ceiling=lamp" of --lamp to the names.json of the round that was measured last;
-/// "middle=" takes out what was said of it before. Throws Error for words that are no such pair, for names that design
-/// or measured bench lack, with those that there are, and where nothing is measured yet.
+/// Adds "middle=v01" of --view and "ceiling=lamp" of --lamp to the names.json of the latest measured round; "middle="
+/// removes an earlier entry. Throws Error for text that is no such pair, and without a measured round. For a name
+/// missing in the design or the measured bench, throws Error with the existing ones.
 void remember_names(const Project& project, const std::vector<std::string>& views,
                     const std::vector<std::string>& lamps);
 

@@ -1,4 +1,4 @@
-// tools/loop/say.h - what a project is, for people: its rounds, stages and what comes next.
+// tools/loop/say.h - descriptions of a project for people: rounds, stages and the next step.
 #pragma once
 
 #include <optional>
@@ -11,42 +11,41 @@
 
 namespace burin {
 
-/// "burin loop PROJECT" and more words, to be pasted.
+/// "burin loop PROJECT" and more words, ready to paste.
 std::string loop_line(const Project& project, const std::string& more = "");
 
-/// A line a stage under a line a round; stages that are not begun are left out. `brief`: a line for each round of which
-/// all is done. `at_work`: a loop works here, so that what is begun is being made.
+/// Returns one line per round and one per begun stage. `brief`: only one line for a finished round. `at_work`: a
+/// running loop is making the begun stages.
 std::string table_of(const LoopProject& loop, const std::vector<StageState>& states, bool brief = false,
                      bool at_work = false);
 
-/// What `burin loop` will do, ask or refuse next, in a sentence with the command.
+/// Returns the next action, question or refusal of `burin loop`, as a sentence with the command.
 std::string next_of(const LoopProject& loop, const std::vector<StageState>& states);
 
-/// The question that a stage raises: what changed, and what --again and --keep would do. Half a sentence, and its
-/// remedy.
+/// Question that a stage raises: its changes, and the effects of --again and --keep. Half a sentence, and its remedy.
 struct LoopQuestion {
   std::string what, remedy;
 };
 LoopQuestion question_of(const LoopProject& loop, const StageState& state);
 
-/// All that is asked at once, by states of one project: one command answers it, with an --again for each stage, since
-/// each alone would be refused for the others. Throws Error for none.
+/// Combines the questions of one project's states. One command answers all, with an --again per stage, since a single
+/// --again would be refused because of the others. Throws Error for no states.
 LoopQuestion question_of(const LoopProject& loop, const std::vector<StageState>& states);
 
-/// What stops another design behind a measured round: the photo that is missing, or --accept-unknown. `photo`: which
-/// photo, behind "the photo".
+/// Question about unknown parameters of a measured round, which stop the next design: the missing photo, or
+/// --accept-unknown. `photo`: continues "the photo".
 LoopQuestion question_of(const LoopProject& loop, int round, const std::vector<UnknownParameter>& open,
                          const std::string& photo = "named above");
 
-/// How long a design may take, where loop.toml says so: a design that was ended early is ended so again. Empty where
-/// it does not, else half a sentence to stand behind a command that designs anew.
+/// Returns the design's time limit in loop.toml as half a sentence behind a command that repeats the design, because
+/// the limit would end it early again. Empty without a limit.
 std::string time_limit_in_words(const LoopProject& loop);
 
-/// The last photographed board and the next one, where that one is not worth its hours (tools/rounds_quality.h), as the
-/// project's report has it. Nothing where it is, or nobody knows.
+/// Returns the latest photographed board and the next one, if another board gains too little (tools/rounds_quality.h).
+/// Uses the project's report. Returns nothing if another board pays or the gain is unknown.
 std::optional<NextBoard> last_board(const Project& project);
 
-/// What a person has to do with the board of that round: carve, photograph, put the photos into the round's folder.
+/// Returns the user's tasks for that round's board: carve, photograph, put the photos into the round's folder.
 std::string your_turn(const LoopProject& loop, int round);
 
 }  // namespace burin

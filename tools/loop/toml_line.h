@@ -1,13 +1,13 @@
-// tools/loop/toml_line.h - one value of a TOML file changed, the person's own lines and comments left as they are.
+// tools/loop/toml_line.h - changes one value of a TOML file and preserves the user's other lines and comments.
 #pragma once
 
 #include <string>
 
 namespace burin {
 
-/// `text` with `key = value` in [table] ("" for the keys before all tables): the line that has the key is replaced, or
-/// one is added. `value` is TOML. Knows one key a line and tables with a [header]; of other ways to write TOML the
-/// outcome must be read again and compared.
+/// Returns `text` with `key = value` in [table] ("" for the keys before all tables). Replaces the line of the key, or
+/// adds one. `value` is TOML. Supports one key per line and tables with a [header]. For other TOML syntax, the caller
+/// must read the result again and compare.
 std::string with_toml_value(const std::string& text, const std::string& table, const std::string& key,
                             const std::string& value);
 

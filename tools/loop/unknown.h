@@ -1,9 +1,8 @@
-// tools/loop/unknown.h - what the photos of a round left open although the next design rests on it.
+// tools/loop/unknown.h - parameters of the next design that a round's photos left undetermined.
 //
-// Depth and the places of the lamps that the design uses stop it unless they are determined: a design for a depth or a
-// lamp that is known only weakly is a guess too. Roughness and the machine's map stop it where the photos do not tell
-// them at all; where they tell them weakly, that is said. Lamps that no picture uses (one that was put somewhere for a
-// photo) stop nothing.
+// Undetermined or weakly determined depths and lamp places of the design stop it: such a design would be a guess.
+// Undetermined roughness and machine map stop it too; weakly determined ones give a note. Lamps of no picture (placed
+// for a photo only) stop nothing.
 #pragma once
 
 #include <set>
@@ -17,32 +16,33 @@
 
 namespace burin {
 
-/// One parameter that is not determined, or only weakly.
+/// One parameter that is undetermined or weakly determined.
 struct UnknownParameter {
   std::string name;  ///< as in bench.json: "depth_um"
   Verdict verdict;
 };
 
-/// Of a measured bench, what stops another design. `lamps`: those that the design uses, as this bench calls them.
+/// Returns the parameters of a measured bench that stop the next design. `lamps`: the design's lamps, by their names in
+/// this bench.
 std::vector<UnknownParameter> unknown_in(const Bench& measured, const std::set<std::string>& lamps);
 
-/// A note for each number that stops nothing although the photos tell it only weakly, with its sigma. `file`: the
-/// bench's.
+/// Returns a note, with the sigma, for each weakly determined parameter that stops nothing. `file`: the bench's.
 std::vector<Finding> weakly_known_in(const Bench& measured, const std::filesystem::path& file);
 
-/// What a round told, against what the next design needs.
+/// Parameters that a round left open.
 struct ToldByRound {
-  std::vector<UnknownParameter> open;      ///< stops it
-  std::vector<UnknownParameter> accepted;  ///< would, but a person said to go on: now, then, or in loop.toml
-  std::vector<Finding> weak;               ///< by weakly_known_in()
+  std::vector<UnknownParameter> open;  ///< stops the next design
+  /// would stop it, but the user accepted it: on this command line, earlier, or in loop.toml
+  std::vector<UnknownParameter> accepted;
+  std::vector<Finding> weak;  ///< by weakly_known_in()
 };
 
-/// Of a measured round. `accepted`: what the command line says, beside what is known. Throws Error where bench.json or
-/// what it is matched with (tools/round_names.h) cannot be read. Lamps that are not matched yet are not looked at:
-/// whoever designs asks which they are.
+/// Checks a measured round. `accepted`: from the command line, in addition to earlier ones. Throws Error if bench.json
+/// or the inputs of its matching (tools/round_names.h) are unreadable. Skips unmatched lamps; the design asks for their
+/// names.
 ToldByRound told_by_round(const LoopProject& loop, int round, const std::vector<std::string>& accepted = {});
 
-/// What is not known, why, and which photo would tell: one parameter a line, each with a line for the photo.
+/// Returns, per parameter, a line with the reason and a line with the missing photo.
 std::string in_words(const std::vector<UnknownParameter>& unknown);
 
 /// "depth_um is not determined", "alpha, depth_um are not determined; light.lamp.position_mm is determined only
