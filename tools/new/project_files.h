@@ -1,5 +1,5 @@
-// tools/new/project_files.h - a new project as files: board.json, bench.json in a person's words, design.json,
-// targets/, loop.toml; all of them or none.
+// tools/new/project_files.h - files of a new project: board.json, bench.json in the user's words, design.json,
+// targets/, loop.toml. All of them are written, or none.
 #pragma once
 
 #include <filesystem>
@@ -11,7 +11,7 @@
 
 namespace burin {
 
-/// What a project is made of.
+/// Contents of a project.
 struct NewProject {
   std::filesystem::path folder;
   std::vector<ChosenPicture> pictures;
@@ -19,16 +19,16 @@ struct NewProject {
   LaidOutBench bench;
   std::string machine;  ///< a built-in name, or a file
   int scratches = 0;
-  double spent_s = 0;  ///< on reading the pictures: the preview takes so much less
+  double spent_s = 0;  ///< time spent on reading the pictures; the preview gets the rest of its time limit
 };
 
-/// Throws Error for a folder in which something lies already, or whose place is taken by a file.
+/// Throws Error for a non-empty folder, and for a file of that name.
 void fail_unless_new(const std::filesystem::path& folder);
 
-/// Writes the project into its folder, which is made or is empty, beside it first: nothing is left half-written. The
-/// files are read back by the ordinary readers. With it a quick design of a few seconds (fewer where the pictures took
-/// long): preview.png (the pictures as the views will show them, their targets below), and its scratches as
-/// scratches.csv, for looking at. Says each view's PSNR in words. Throws Error where that fails.
+/// Writes the project next to its new or empty folder first, so that no half-written project remains. The ordinary
+/// readers check the files. A quick design of a few seconds (fewer after slow pictures) gives preview.png and
+/// scratches.csv, for inspection. preview.png shows each view's picture above its target. Returns each view's PSNR in
+/// words. Throws Error if any step fails.
 std::string write_project(const NewProject& project);
 
 }  // namespace burin
