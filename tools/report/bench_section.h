@@ -1,5 +1,5 @@
-// tools/report/bench_section.h - the bench in space, inside a report: cameras, lamps, the board and how well each is
-// known. The page that holds it needs bench_scene_script() and bench_scene_style() (tools/view/bench_scene.h).
+// tools/report/bench_section.h - three-dimensional view of the bench in a report: cameras, lamps, board and their
+// uncertainties. The page also needs bench_scene_script() and bench_scene_style() (tools/view/bench_scene.h).
 #pragma once
 
 #include <string>
@@ -11,7 +11,7 @@
 
 namespace burin {
 
-/// HTML with its heading (text), such as "The bench as measured". `tolerances`: how far eyes may stand aside, by
+/// Returns HTML with its heading (text), such as "The bench as measured". `tolerances`: of the eyes, by
 /// shown_tolerances(); may be empty. Frame: board, mm.
 std::string bench_section(const Bench& bench, const Board& board, const std::vector<MatchTolerance>& tolerances,
                           const std::string& heading);

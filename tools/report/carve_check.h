@@ -1,5 +1,5 @@
-// tools/report/carve_check.h - the page to read before metal moves: where the tool goes, what the pictures will be, and
-// in red what would spoil the board. The facts are burin/optimize/toolpath/carve_check.h's and the design's own report.
+// tools/report/carve_check.h - page to read before carving: the tool's path, the predicted pictures, and problems in
+// red. Its facts come from burin/optimize/toolpath/carve_check.h and from the design's own report.
 #pragma once
 
 #include <filesystem>
@@ -10,43 +10,43 @@
 
 namespace burin {
 
-/// The files that a check is made of. Empty paths: there is none.
+/// Input files of a check. An empty path: no such file.
 struct CarveCheckFiles {
   std::vector<std::filesystem::path> gcode;
   std::filesystem::path board, bench, scratches;
-  std::filesystem::path design;   ///< design.json: whose views the scratches must glint for
-  std::filesystem::path folder;   ///< that `burin design` filled: previews and design-report.json
-  std::filesystem::path heights;  ///< heights.json that the G-code follows
+  std::filesystem::path design;   ///< design.json: for its views the scratches must glint
+  std::filesystem::path folder;   ///< output of `burin design`: previews and design-report.json
+  std::filesystem::path heights;  ///< heights.json for the depths in the G-code
   std::string machine = "grbl";
   bool follow_bow = false;
-  std::vector<Finding> outdated;  ///< why the G-code is not of these files any more; empty: it is
+  std::vector<Finding> outdated;  ///< reasons for outdated G-code; empty: up to date
 };
 
-/// What a check found, for which machine, and the page's pictures (HTML).
+/// Findings of a check, the machine, and the page's pictures (HTML).
 struct CheckedCarving {
   CarveCheck check;
   MachineProfile machine;
   std::string pictures;
 };
 
-/// The files of a loop's round (round-01): its G-code, scratches.csv, design.json with the board and bench that names,
-/// its design folder, and its heights.json if the sheet was probed. Throws Error for a folder that is none.
+/// Returns the files of a loop's round (round-01): G-code, scratches.csv, design.json with its board and bench, and the
+/// design folder. Includes heights.json of a probed sheet. Throws Error for any other folder.
 CarveCheckFiles round_files(const std::filesystem::path& round, const std::string& machine);
 
-/// Reads them and looks at everything (check_carve()).
+/// Reads the files and runs check_carve().
 CheckedCarving check_carve_files(const CarveCheckFiles& files);
 
-/// The views of a design (the folder that `burin design` filled) whose pictures few would recognize: is_unlike()
-/// (tools/picture_quality.h). None if there is no report.
+/// Returns the views of a design (a folder from `burin design`) with hard to recognize pictures: is_unlike()
+/// (tools/picture_quality.h). Returns none without a report.
 std::vector<std::string> unreadable_views(const std::filesystem::path& folder);
 
-/// What the page says, in a few lines for a terminal.
+/// Returns a short form of the page for a terminal.
 std::string carve_check_text(const CarveCheck& check);
 
-/// The one question to ask before the machine starts: "Sheet clamped, ...?".
+/// Returns the one question before the machine starts: "Sheet clamped, ...?".
 std::string carve_question(const CheckedCarving& checked, const CarveCheckFiles& files);
 
-/// Writes the page, self-contained, atomically. Pictures come from `files.folder`, where there is one.
+/// Writes the page, self-contained and atomically. Pictures come from `files.folder`, if there is one.
 void write_carve_check_page(const CheckedCarving& checked, const CarveCheckFiles& files,
                             const std::filesystem::path& page);
 

@@ -1,5 +1,5 @@
-// tools/report/misfits.h - where the photos that a bench was measured from contradict the model, as a folded part of a
-// report: each test in words with its picture.
+// tools/report/misfits.h - contradictions between the model and the photos of a measured bench, as a folded part of a
+// report. Each test has a sentence and a picture.
 #pragma once
 
 #include <string>
@@ -8,7 +8,7 @@
 
 namespace burin {
 
-/// HTML; empty where there are no misfits.
+/// Returns HTML; empty without misfits.
 std::string misfits_in_pictures(const Bench& bench);
 
 }  // namespace burin

@@ -1,5 +1,5 @@
-// tools/report/pictures.h - pictures inside a page: alone, in rows, and several of one place to be wiped and zoomed
-// together (tools/report/page.js; without a script and on paper they stand side by side).
+// tools/report/pictures.h - pictures in a page: alone, in rows, and several of one place with a common wipe and zoom
+// (tools/report/page.js). Without a script and on paper, they are side by side.
 #pragma once
 
 #include <filesystem>
@@ -10,37 +10,37 @@
 
 namespace burin {
 
-/// JPEG for photographs, PNG for what must keep every value.
+/// JPEG for photographs, PNG for exact values.
 enum class PictureKind { jpeg, png };
 
-/// A picture, values 0..1 as they are shown (already encoded), 1 or 3 channels, as a data: address.
+/// Returns a data: address of a picture with encoded values 0..1 and 1 or 3 channels.
 std::string data_address(const Image& shown, PictureKind kind);
 
-/// A picture with what it says to who cannot see it, and to who can.
+/// A picture with alternative text and caption.
 struct Figure {
-  Image shown;          ///< as data_address() takes it
-  std::string alt;      ///< text: what it shows, of which view, how good
+  Image shown;          ///< as for data_address()
+  std::string alt;      ///< text: content, view and quality of the picture
   std::string caption;  ///< HTML
-  std::string name{};   ///< text: what it is called beside others of its place: "Target"
+  std::string name{};   ///< text: its name among pictures of the same place: "Target"
   PictureKind kind = PictureKind::jpeg;
-  std::string overlay{};  ///< SVG elements in the picture's pixels, drawn over it
+  std::string overlay{};  ///< SVG elements over it, in the picture's pixels
 };
 
-/// Throws Error if the picture cannot be encoded, std::logic_error for one without an alt text.
+/// Throws Error for a picture that cannot be encoded, and std::logic_error for a missing alt text.
 std::string figure(const Figure& figure);
 
 enum class FigureSize { small, large, single };
 
-/// Side by side, wrapping where the page is narrow.
+/// Returns a row of figures, wrapped on a narrow page.
 std::string figure_row(std::span<const Figure> figures, FigureSize size = FigureSize::small);
 
-/// Pictures of one place that are compared: `title` is text; `left` and `right` index those that the wipe begins with.
+/// Compares pictures of one place. `title` is text; `left` and `right` are the indices with which the wipe starts.
 std::string compared(const std::string& title, std::span<const Figure> figures, std::size_t left, std::size_t right);
 
-/// Several compared() that show the same place of the board, named `place`: zooming into one zooms into all.
+/// Joins several compared() of the same place of the board, named `place`: they zoom together.
 std::string compared_in_lockstep(const std::string& place, const std::string& compared_html);
 
-/// A picture's file, made smaller to that many pixels on its longer side where it is larger. Throws Error.
+/// Reads a picture and reduces it to at most `longer_side_px` on its longer side. Throws Error.
 Image picture_within(const std::filesystem::path& file, int longer_side_px);
 
 }  // namespace burin

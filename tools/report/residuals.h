@@ -1,9 +1,9 @@
-// tools/report/residuals.h - `residuals.vnl`, which `burin calibrate` leaves beside bench.json: what is left between
-// each tag corner as found in a photo and as the solved bench predicts it. A text table as vnlog writes it: lines with
-// '#' are comments but for the first, which names the columns
+// tools/report/residuals.h - reads `residuals.vnl` of `burin calibrate`, next to bench.json: residuals between the
+// detected tag corners and the solved bench's predictions. It is a text table in vnlog format. Lines with '#' are
+// comments, except the first, which names the columns:
 //   # view tag corner x_px y_px dx_px dy_px used
-// (x_px, y_px): the corner as found; (dx_px, dy_px): found minus predicted; used: 0 where it was left out as an
-// outlier. Pixels: the center of the top-left pixel is (0, 0).
+// (x_px, y_px): the detected corner; (dx_px, dy_px): detected minus predicted; used: 0 for an outlier. Pixels: the
+// center of the top-left pixel is (0, 0).
 #pragma once
 
 #include <Eigen/Core>
@@ -23,10 +23,10 @@ struct ShownResidual {
 struct ResidualTable {
   std::vector<ShownResidual> corners;
 
-  double rms_px() const;  ///< per axis, of the corners that were used; 0 if there are none
+  double rms_px() const;  ///< per axis, of the used corners; 0 without any
 };
 
-/// An empty table if the file does not exist. Throws Error naming the line of a broken one.
+/// Returns an empty table if the file does not exist. Throws Error, with the line, for a broken one.
 ResidualTable read_residuals(const std::filesystem::path& file);
 
 }  // namespace burin

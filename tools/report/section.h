@@ -1,5 +1,5 @@
-// tools/report/section.h - the parts of a report. Each looks at a folder and tells its part, with one sentence for the
-// top of the page; or says nothing (an empty optional) where the folder holds nothing of its kind.
+// tools/report/section.h - sections of a report. Each section reads one folder and gives pictures, findings and a
+// sentence for the top of the page. It is empty (std::nullopt) for a folder without its kind of result.
 #pragma once
 
 #include <cstdint>
@@ -14,44 +14,47 @@
 namespace burin {
 
 struct Section {
-  std::string title;              ///< text: what it is called where it is folded
-  std::string outcome;            ///< a sentence or two, HTML: what came out
-  std::string next{};             ///< HTML, half a sentence: what to do next; empty where nothing follows from it
-  std::string heading{};          ///< text, above the pictures where they stand open; empty: none
-  std::string pictures{};         ///< HTML: what is looked at first
-  std::vector<Finding> findings;  ///< what to mind
-  std::string open{};             ///< HTML, below what to mind: curves, the bench
-  std::string parts{};            ///< HTML: folded() parts, one after the other
-  std::string rounds{};           ///< of a project, rounds.json's text; empty: none
-  bool has_scene = false;         ///< whether `open` holds a bench_section(), which needs its script
+  std::string title;       ///< text: name of the folded section
+  std::string outcome;     ///< a sentence or two, HTML: the result
+  std::string next{};      ///< HTML, half a sentence: the next step; empty: none
+  std::string heading{};   ///< text, above unfolded pictures; empty: none
+  std::string pictures{};  ///< HTML: the main pictures
+  std::vector<Finding> findings;
+  std::string open{};      ///< HTML, below the findings: curves, the bench
+  std::string parts{};     ///< HTML: folded() parts, one after the other
+  std::string rounds{};    ///< text of a project's rounds.json; empty: none
+  bool has_scene = false;  ///< true if `open` holds a bench_section(), which needs its script
 };
 
-/// A calibrated (and refined) session: `folder`/session.json (or `session`, if not empty) and `folder`/bench.json.
-/// Photo beside prediction for every view, tags and residuals over the photos, the numbers and how far to trust them.
+/// Section of a calibrated (and refined) session: `folder`/session.json (or `session`, if not empty) and
+/// `folder`/bench.json. It shows photo and prediction of every view, tags and residuals over the photos, and the
+/// parameters with their uncertainties.
 std::optional<Section> session_section(const std::filesystem::path& folder, const std::filesystem::path& session,
                                        const Progress& progress);
 
-/// A design: what `burin design` left in `folder`. Target, start and preview for every view, the loss, the sheet.
+/// Section of a design, the output of `burin design` in `folder`: target, start and preview of every view, the loss,
+/// and the crop sheet.
 std::optional<Section> design_section(const std::filesystem::path& folder);
 
-/// A loop project: its rounds side by side with the targets, and the newest round's session and design, folded.
+/// Section of a loop project: its rounds side by side with the targets. The newest round's session and design are
+/// folded.
 std::optional<Section> project_section(const std::filesystem::path& folder, const Progress& progress);
 
-/// All that a section shows, as it stands inside a folded part of another.
+/// Returns the whole content of a section, for a folded part of another one.
 std::string whole_section(const Section& section);
 
-/// A project's folder as a page names it: a page is read from anywhere, and "." would say nothing there.
+/// Returns a project's folder for display on a page: readers anywhere see the page, and "." would be meaningless there.
 std::filesystem::path folder_on_page(const std::filesystem::path& folder);
 
-/// What write_report() made.
+/// Result of write_report().
 struct WrittenReport {
-  std::string told;  ///< outcome and findings as plain text, a line each
+  std::string told;  ///< outcome and findings as plain text, one line each
   std::filesystem::path page;
-  std::uintmax_t bytes = 0;  ///< of the page, pictures included
+  std::uintmax_t bytes = 0;  ///< of the page, including pictures
 };
 
-/// The page for a folder with any of these, after `first` if there is one, written to `folder`/report.html: the first
-/// that there is makes the page, the others are folded below it. Throws Error if the folder holds none of them.
+/// Writes `folder`/report.html with all sections of the folder, after `first` if given. The first section makes the
+/// page; the others are folded below it. Throws Error for a folder without any.
 WrittenReport write_report(const std::filesystem::path& folder, const std::filesystem::path& session,
                            const std::optional<Section>& first, const Progress& progress);
 
