@@ -1,5 +1,5 @@
-// tools/drawing/drawing.h - a drawing as a list of shapes and words, made once and written as a page of a PDF
-// (tools/drawing/pdf.h) or as SVG (tools/drawing/drawing_svg.h). Frame: mm, origin at the top left, x right, y down.
+// tools/drawing/drawing.h - a drawing as a list of shapes and words. It becomes a page of a PDF (tools/drawing/pdf.h)
+// or SVG (tools/drawing/drawing_svg.h). Frame: mm, origin at the top left, x right, y down.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,17 +10,17 @@
 
 namespace burin {
 
-/// Colors by what they stand for: paper has one palette, a screen has one for light and one for dark.
+/// Colors by meaning. Paper has one palette; a screen has a light and a dark one.
 enum class Tint { none, black, white, ink, soft, faint, lamp, eye, reach, board };
 
-/// How an outline is drawn. Nothing where `tint` is none.
+/// Style of an outline. No outline if `tint` is none.
 struct Pen {
   Tint tint = Tint::none;
   double width_mm = 0.2;
   double dash_mm = 0;  ///< 0: solid
 };
 
-/// Outlines drawn and filled as one (where they touch there is no seam).
+/// Outlines drawn and filled as one shape, without seams between them.
 struct Shape {
   std::vector<std::vector<Eigen::Vector2d>> outlines;
   bool closed = true;
@@ -54,23 +54,23 @@ void add_rectangle(Drawing& drawing, const Eigen::Vector2d& low, const Eigen::Ve
 void add_circle(Drawing& drawing, const Eigen::Vector2d& center, double radius, Tint fill, const Pen& pen = {});
 void add_words(Drawing& drawing, Words words);
 
-/// All of another drawing, its top left at `at`.
+/// Adds all elements of another drawing, with its top left at `at`.
 void add_drawing(Drawing& drawing, const Drawing& other, const Eigen::Vector2d& at);
 
-/// About how long the words become in a sans-serif font, mm: on the safe side, since fonts differ.
+/// Estimates the width of the words in a sans-serif font, mm. The estimate is conservative, since fonts differ.
 double words_width_mm(std::string_view text, double size_mm, bool bold = false);
 
-/// The text, its end left out (...) where it is longer than that, mm.
+/// Shortens text to the given width, mm, with ... at its end.
 std::string shortened(const std::string& text, double size_mm, double width_mm, bool bold = false);
 
-/// The text cut to words that are at most so long together, mm, a line each; a word that is longer is cut.
+/// Wraps text into lines of at most the given width, mm; splits words that are longer.
 std::vector<std::string> wrapped(std::string_view text, double size_mm, double width_mm);
 
-/// What of a convex polygon lies within the rectangle; empty if nothing does.
+/// Clips a convex polygon to the rectangle; empty if they do not overlap.
 std::vector<Eigen::Vector2d> clipped(const std::vector<Eigen::Vector2d>& polygon, const Eigen::Vector2d& low,
                                      const Eigen::Vector2d& high);
 
-/// What of a line lies within the rectangle: two points, or none.
+/// Clips a line to the rectangle: two points, or none.
 std::vector<Eigen::Vector2d> clipped_line(const Eigen::Vector2d& from, const Eigen::Vector2d& to,
                                           const Eigen::Vector2d& low, const Eigen::Vector2d& high);
 

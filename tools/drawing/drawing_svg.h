@@ -1,5 +1,5 @@
-// tools/drawing/drawing_svg.h - a drawing as inline SVG. Colors are classes (fill-eye, line-soft, ...), so that a style
-// sheet gives them for light, dark and paper; words stay words.
+// tools/drawing/drawing_svg.h - a drawing as inline SVG. Colors are classes (fill-eye, line-soft, ...), which a style
+// sheet defines for light, dark and paper. Words stay text.
 #pragma once
 
 #include <string>
@@ -8,7 +8,8 @@
 
 namespace burin {
 
-/// The <svg> element; one unit is a mm of the drawing. `label` is what it shows, for those who cannot see it.
+/// Returns the <svg> element, with one unit per mm of the drawing. `label`: alternative description for readers who
+/// cannot see it.
 std::string drawing_svg(const Drawing& drawing, const std::string& label);
 
 }  // namespace burin

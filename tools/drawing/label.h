@@ -1,4 +1,4 @@
-// tools/drawing/label.h - a line of words as a picture, to stand above another one.
+// tools/drawing/label.h - a line of text as an image, for a place above another image.
 #pragma once
 
 #include <string>
@@ -7,10 +7,9 @@
 
 namespace burin {
 
-inline constexpr int kLabelPx = 24;  ///< its height
+inline constexpr int kLabelPx = 24;  ///< height
 
-/// Light words on dark gray, one channel, so many pixels wide; words that are longer end in "...". Throws Error where
-/// cairo cannot draw.
+/// Draws light text on dark gray, one channel, `width_px` wide; longer text ends in "...". Throws Error if cairo fails.
 Image label(const std::string& words, int width_px);
 
 }  // namespace burin

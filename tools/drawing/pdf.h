@@ -1,5 +1,5 @@
-// tools/drawing/pdf.h - drawings as pages of a PDF, or as pictures, by cairo. Same drawings, same bytes: no date of the
-// clock in it.
+// tools/drawing/pdf.h - drawings as pages of a PDF, or as images, by cairo. The same drawings give the same bytes: the
+// file has no date.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,20 +11,20 @@
 
 namespace burin {
 
-/// What all pages share.
+/// Common properties of all pages.
 struct PdfPaper {
   Eigen::Vector2d size_mm{210, 297};
-  /// A drawing's mm become so many mm of paper, across and upright; its size times this is the paper's.
+  /// mm of paper per mm of the drawing, across and upright; a page's size times this is the paper's.
   Eigen::Vector2d stretch{1, 1};
   std::string title;  ///< in the file's properties
-  /// Asks the program that prints it for its true size: fitting it to the page is then not what it offers first.
+  /// Requests the true size from the printing program, so that fitting to the page is not its default.
   bool true_size = false;
 };
 
-/// The file's bytes. Throws Error where cairo cannot make it.
+/// Returns the file's bytes. Throws Error if cairo fails.
 std::string pdf(std::span<const Drawing> pages, const PdfPaper& paper);
 
-/// A drawing as a gray picture, encoded as in a file, on black. Throws as above.
+/// Renders a drawing as a gray image on black, encoded as in a file. Throws Error if cairo fails.
 Image drawn(const Drawing& drawing, double px_per_mm);
 
 }  // namespace burin
