@@ -1,5 +1,5 @@
-// tools/view/board_view.h - what the viewer's page shows: a board as one or several benches show it, the places to look
-// from, and what each was to show. `burin view` gathers it (view_sources.h) and writes it (view_page.h).
+// tools/view/board_view.h - contents of the viewer's page: a board on one or several benches, its viewpoints and their
+// targets. view_sources.h collects them for `burin view`, and view_page.h writes the page.
 #pragma once
 
 #include <optional>
@@ -15,37 +15,37 @@
 
 namespace burin {
 
-/// A place to look from, under a lamp, and what is to be seen from there.
+/// A viewpoint under a lamp, with its target.
 struct ViewedPicture {
-  std::string view, light;  ///< names in the bench; of light several joined by kBesides, which shine at once
-  Image target;  ///< on the carve area, gamma-encoded, row 0 the largest y; in color three channels; no pixels: none
-  /// In color what makes white of what is to look white: factors on R, G, B. Each channel is then shown at an exposure
-  /// of its own if `each_channel`.
+  std::string view, light;  ///< names in the bench; several lights at once are joined by kBesides
+  /// Target on the carve area, gamma-encoded, row 0 is the largest y; three channels in color; no pixels: no target.
+  Image target;
+  /// White balance in color: factors on R, G, B. With `each_channel`, each channel also has its own exposure.
   Eigen::Vector3d gains{1, 1, 1};
   bool each_channel = false;
 };
 
-/// The board on a bench, believed or measured.
+/// The board on a nominal or measured bench.
 struct ViewedBoard {
-  std::string name;      ///< a button's: "Before", "As carved"
-  std::string sentence;  ///< what it is
+  std::string name;      ///< label of its button: "Before", "As carved"
+  std::string sentence;  ///< its description
   Bench bench;
   Carved carved;
   std::vector<ViewedPicture> pictures;     ///< at least one
   std::vector<MatchTolerance> tolerances;  ///< by shown_tolerances(); may be empty
 };
 
-/// All that goes into one page.
+/// All contents of one page.
 struct BoardView {
   std::string title;
   Board board;
-  std::vector<ViewedBoard> boards;  ///< at least one; the page begins with the first
+  std::vector<ViewedBoard> boards;  ///< at least one; the page starts with the first
 };
 
-/// What a picture looks like when it is laid flat on the carve area, encoded as it is shown, and the exposure (times
-/// radiance) that it is shown at: what comes nearest to the target, or, without one, all but the brightest half per
-/// cent below white. In color `gains` are the picture's, with the balance of those whose channels have exposures of
-/// their own. Rendered as `burin design` sees it, `long_side_px` on its longer side.
+/// Renders a picture flat on the carve area, encoded for display, as in `burin design`, with `long_side_px` on its
+/// longer side. `exposure` is a factor on radiance: the best one for the target or, without a target, the one at which
+/// the brightest half per cent clips. In color, `gains` are the picture's, combined with the balance of channels that
+/// have their own exposures.
 struct FlatPicture {
   Image shown;
   double exposure = 1;

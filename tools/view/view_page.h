@@ -1,5 +1,4 @@
-// tools/view/view_page.h - the viewer's page: one file with everything in it, that needs no network and asks for
-// nothing.
+// tools/view/view_page.h - the viewer's page: one self-contained file without network access.
 #pragma once
 
 #include <string>
@@ -9,11 +8,11 @@
 
 namespace burin {
 
-/// The page's text. Each picture is rendered once for browsers without WebGL2, and for its exposure.
+/// Returns the page's text. Each picture is rendered once, for its exposure and for browsers without WebGL2.
 std::string view_page(const BoardView& view, const Progress& progress);
 
-/// Whether the page bends pictures as this lens does: OpenCV's models up to twelve numbers. Other lenses are shown as
-/// pinholes.
+/// Returns true if the page draws this lens's distortion: OpenCV's models with up to twelve parameters. Other lenses
+/// appear as pinholes.
 bool is_lens_drawn(const Lens& lens);
 
 }  // namespace burin

@@ -1,4 +1,4 @@
-// tools/view/view_sources.h - what there is to see of a project, or of a board's files: gathered for the viewer's page.
+// tools/view/view_sources.h - collects the viewer's contents from a project, or from a board's files.
 #pragma once
 
 #include <filesystem>
@@ -11,17 +11,17 @@
 
 namespace burin {
 
-/// A loop project (docs/file-formats.md): the newest round that was measured, as it was believed and as it is, and the
-/// round designed after it; or, before anything was measured, the newest design; or a first design that lies in the
-/// project without a round (in `design`, in `preview`, or named by board.json: what `burin new` left is called a
-/// preview). `findings` gets what the person should know. Throws Error for a folder that is no project, and where
-/// nothing is designed yet, with what to do.
+/// Reads a loop project (docs/file-formats.md). The contents are the latest measured round, with its nominal and
+/// measured bench, and the round designed after it. Without a measurement they are the latest design. Without a round
+/// they are a design in the project itself: in `design`, in `preview`, or named by board.json. The output of `burin
+/// new` is called a preview. Adds notes to `findings`. Throws Error, with a remedy, for a folder that is no project,
+/// and for a project without a design.
 BoardView view_of_project(const std::filesystem::path& folder, std::vector<Finding>& findings);
 
-/// Files of a board. `design` may be empty: then all views of the bench are looked from, under its first lamp.
+/// Files of a board. With an empty `design`, the page has all views of the bench, under its first lamp.
 struct ViewFiles {
   std::filesystem::path board, bench, scratches, design;
-  bool as_sent = false;  ///< the scratches are what the machine was told, not where grooves are wanted
+  bool as_sent = false;  ///< the scratches are commanded ones, not the intended grooves
 };
 BoardView view_of_files(const ViewFiles& files, std::vector<Finding>& findings);
 
