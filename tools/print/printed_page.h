@@ -1,8 +1,8 @@
-// tools/print/printed_page.h - sheets of paper as a printer makes them: their sizes, what a ruler measured on them, and
-// the frame of every page, with a 100 mm ruler across and one upright.
+// tools/print/printed_page.h - printed sheets of paper: their sizes, the printer's measured scale, and the frame of
+// every page with a horizontal and a vertical 100 mm ruler.
 //
-// Everything is laid out in mm as they are to come out of the printer. A printer whose 100 mm ruler comes out 97.5 mm
-// long makes everything 0.975 times as large, so its PDF is drawn 100 / 97.5 times as large. Frame: of a Drawing.
+// The layout is in printed mm. If a printer's 100 mm ruler measures 97.5 mm, the printer scales by 0.975, and the PDF
+// is drawn 100 / 97.5 times as large. Frame: of a Drawing.
 #pragma once
 
 #include <Eigen/Core>
@@ -18,50 +18,49 @@ struct Paper {
   Eigen::Vector2d size_mm{0, 0};  ///< upright
 };
 
-/// Those that can be printed on, small ones first: a4, letter, a3, tabloid.
+/// Returns the supported papers, small ones first: a4, letter, a3, tabloid.
 std::vector<Paper> papers();
-/// Throws Error for a name that is none of these.
+/// Throws Error for any other name.
 Paper find_paper(const std::string& name);
 
-/// The paper that printers hold here, when nobody names one.
+/// Default paper of the system's region.
 struct UsualPaper {
   std::string name;  ///< "a4" or "letter"
-  std::string why;   ///< the setting that says so: "LC_PAPER=en_US.UTF-8"; empty where none is set
+  std::string why;   ///< the deciding setting: "LC_PAPER=en_US.UTF-8"; empty without one
 };
 
-/// By the region of LC_ALL, LC_PAPER or LANG, the first that is set: letter where Unicode's CLDR has it as the region's
-/// usual paper (supplemental data, paperSize), else A4. No locale need be installed for it.
+/// Uses the region of the first one set of LC_ALL, LC_PAPER and LANG. Returns letter if Unicode's CLDR has it as the
+/// region's usual paper (supplemental data, paperSize), else A4. The locale need not be installed.
 UsualPaper usual_paper();
 
-/// How all pages of one file are printed.
+/// Print settings of all pages of one file.
 struct PrintSetup {
   Paper paper;
-  /// What a ruler said of this printer's 100 mm, mm.
+  /// Measured lengths of this printer's 100 mm rulers, mm.
   double across_mm = 100, upright_mm = 100;
   std::string name;  ///< of the project, for the pages' heads
 };
 
-/// Throws Error for measured lengths that no printer makes of 100 mm (below 80, above 125) and those that are no
-/// number.
+/// Throws Error for impossible lengths of 100 mm (below 80, above 125, not a number).
 void require_good(const PrintSetup& setup);
 
-/// Whether sizes are put right for a printer that errs.
+/// Returns true if the sizes compensate for the printer's scale.
 bool is_compensated(const PrintSetup& setup);
 
-/// The paper in mm as they come out of the printer.
+/// Returns the paper's size in printed mm.
 Eigen::Vector2d printed_size_mm(const PrintSetup& setup);
-/// What the PDF makes of these (PdfPaper::stretch).
+/// Returns the PDF's scale for these (PdfPaper::stretch).
 Eigen::Vector2d stretch(const PrintSetup& setup);
 
-/// What is free on a page for its contents, whichever way the printer shifts or crops a page that it makes larger.
+/// Area of a page for its contents. It stays on the paper even if the printer shifts or crops an enlarged page.
 struct FreeArea {
   Eigen::Vector2d low, high;
   Eigen::Vector2d size() const { return high - low; }
 };
-/// `head_mm`: how high the page's head is.
+/// `head_mm`: height of the page's head.
 FreeArea free_area(const PrintSetup& setup, double head_mm);
 
-/// A ruler's first and last mark.
+/// First and last mark of a ruler.
 struct Ruler {
   Eigen::Vector2d zero, hundred;
 };
@@ -75,7 +74,7 @@ struct PrintedPage {
 
 inline constexpr double kUsualHead_mm = 24;
 
-/// `title` is what this page is, `lines` what to do with it: a line each, cut to the page's width.
+/// `title` names the page and `lines` are instructions, one line each, cut to the page's width.
 PrintedPage new_page(const PrintSetup& setup, const std::string& title, const std::vector<std::string>& lines,
                      double head_mm = kUsualHead_mm);
 
