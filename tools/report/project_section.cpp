@@ -1,4 +1,4 @@
-// How a loop project is shown: for every picture the target, and round after round what was promised and what came.
+// Report of a loop project: for every picture the target, and the prediction and the photo of each round.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -42,23 +42,23 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kSidePx = 360;       // of what is compared, unless eyes in the views' places tell fewer apart
-constexpr int kMostShownPx = 720;  // of what is shown, where the photos have as many on the carve area
+constexpr int kSidePx = 360;       // compared pixels, unless eyes at the viewpoints resolve fewer
+constexpr int kMostShownPx = 720;  // most displayed pixels, if the photos have as many on the carve area
 
-// Something that a view shows, or is to show, and how near it comes to the target.
+// A picture of a view and its similarity to the target.
 struct Shown {
-  Image picture;  // gamma-encoded, as large as it is shown; no pixels where there is none
+  Image picture;  // gamma-encoded, at its displayed size; without pixels if there is none
   double psnr_db = 0;
 
   bool there() const { return !picture.data.empty(); }
 };
 
-// The target, as it is compared and as it is shown.
+// The target, at the compared and at the displayed size.
 struct Target {
   Image compared, shown;
 };
 
-// The light of a picture as its target is: luminance, or red, green and blue times what makes white of white.
+// Converts a picture to its target's channels: luminance, or red, green and blue with white balance.
 Image light_of(const Image& linear, const Target& target, const Eigen::Vector3d& gains) {
   if (target.compared.channels == 1) return luminance(linear);
   Image out = linear;
@@ -67,13 +67,13 @@ Image light_of(const Image& linear, const Target& target, const Eigen::Vector3d&
   return out;
 }
 
-// Clipped values (infinite) as very bright ones, what was not photographed as dark.
+// Replaces clipped (infinite) values by very bright ones, and missing values by dark.
 Image comparable(Image out, float brightest) {
   for (float& v : out.data) v = std::isinf(v) ? 10 * brightest : v > 0 ? v : 0;
   return out;
 }
 
-// The factor for each channel, as a camera's balance that is turned until the picture looks best.
+// Returns one factor per channel: the white balance with the best match.
 Eigen::Vector3d best_gains(const Image& radiance, const Image& target, float brightest) {
   Eigen::Vector3d out;
   for (int c = 0; c < 3; ++c)
@@ -81,14 +81,14 @@ Eigen::Vector3d best_gains(const Image& radiance, const Image& target, float bri
   return out / out.mean();
 }
 
-// How a view is looked at: under which of a bench's lights, and what is white there.
+// Lights and white balance of a view on a bench.
 struct Seen {
-  std::vector<std::string> lights;  // several: each in a photo of its own, which are added
-  Eigen::Vector3d gains{1, 1, 1};   // in color, on R, G, B
-  bool each_channel = false;        // in color, a brightness for each
+  std::vector<std::string> lights;  // several: one photo per light, added up
+  Eigen::Vector3d gains{1, 1, 1};   // factors on R, G, B, in color
+  bool each_channel = false;        // in color, one exposure per channel
 };
 
-// A photo laid flat on the carve area, at the exposure that comes nearest to the target.
+// Rectifies a photo to the carve area, at the exposure nearest to the target.
 Shown nearest_exposure(const Target& target, const Seen& seen, const Board& board,
                        const std::function<Image(const BoardFrame&)>& laid_flat) {
   const auto frame = [&](const Image& like) {
@@ -114,7 +114,7 @@ Shown nearest_exposure(const Target& target, const Seen& seen, const Board& boar
   return out;
 }
 
-// The light of one lamp in the photos of a view: infinite where all are clipped.
+// Light of one lamp in the photos of a view; infinite if all are clipped.
 struct LitView {
   View view;
   Image light;
@@ -132,8 +132,8 @@ std::optional<LitView> lit_view(const Session& session, const View& view, const 
   return LitView{view, std::move(merged.value)};
 }
 
-// A round's photos of a picture, as their light adds up on the board: of each lamp from the first of `views` that was
-// photographed under it. What else shines in the room is in each.
+// Adds up a round's photos of a picture, as light adds up on the board. For each lamp, uses the first of `views` that
+// was photographed under it. Each photo also contains the ambient light.
 Shown photographed(const fs::path& round, const std::vector<std::string>& views, const Bench& bench, const Seen& seen,
                    const Target& target) {
   const Session session = read_session(round / "session.json");
@@ -144,7 +144,7 @@ Shown photographed(const fs::path& round, const std::vector<std::string>& views,
     for (const std::string& name : views)
       if (!found) found = lit_view(session, find_view(bench, name, (round / "bench.json").string()), light);
     if (!found) return {};
-    if (target.compared.channels == 3 && found->light.channels != 3) return {};  // photos without color say nothing
+    if (target.compared.channels == 3 && found->light.channels != 3) return {};  // a gray photo does not show color
     lit.push_back(std::move(*found));
   }
   return nearest_exposure(target, seen, board, [&](const BoardFrame& frame) {
@@ -161,7 +161,7 @@ Shown photographed(const fs::path& round, const std::vector<std::string>& views,
   });
 }
 
-// What a photo of the round's board should look like from there, for the bench that it was designed for.
+// Renders the round's board from there, on the bench of its design.
 Shown promised(const fs::path& scratches, const Board& board, const Bench& bench, const View& view, const Seen& seen,
                const Target& target) {
   if (!fs::exists(scratches)) return {};
@@ -179,10 +179,10 @@ Shown promised(const fs::path& scratches, const Board& board, const Bench& bench
   });
 }
 
-// The project as its rounds left it.
+// Results of all rounds of a project.
 struct Rounds {
   Project project;
-  int count = 0, measured = 0;  // designed ones, and those of them whose board was photographed and measured
+  int count = 0, measured = 0;  // designed rounds, and those of them with a photographed and measured board
   DesignSpec spec;
   Board board;
   Bench nominal;
@@ -191,27 +191,27 @@ struct Rounds {
   std::vector<Matching> names;                    // of the measured rounds
 };
 
-// One view in one round: what the board was to show there, and what a photo of it shows.
+// One view in one round: the prediction and the photo.
 struct ViewInRound {
   Shown promised, photographed;
   std::string photo;  // name of the photographed view
 };
 
-// One view, round after round.
+// One view in all rounds.
 struct ViewHistory {
   std::string view;
   Target target;
   std::vector<ViewInRound> rounds;
 };
 
-// What a round's board was to show of one picture, and the bench that it was designed for.
+// A picture in a round's design, and the bench of that design.
 struct Asked {
   DesignView picture;
   fs::path bench;
 };
 
-// The picture of the project's design with that index, in a round's own design: by its name, or, where views took the
-// names of photos, by its place in the list.
+// Finds the picture with that index of the project's design in a round's design. It matches by name or, if views took
+// the names of photos, by index.
 std::optional<Asked> in_round(const Rounds& in, int number, std::size_t index) {
   const DesignSpec spec = read_design(in.project.round(number) / "design.json");
   const DesignView& wanted = in.spec.views[index];
@@ -221,15 +221,15 @@ std::optional<Asked> in_round(const Rounds& in, int number, std::size_t index) {
   return Asked{spec.views[index], spec.bench};
 }
 
-// What a designed view or lamp is called in the round's photos; empty where that is not decided.
+// Returns the name of a designed view or lamp in the round's photos; empty if undecided.
 std::string measured_name(const std::vector<Match>& matches, const std::string& designed) {
   const auto found =
       std::find_if(matches.begin(), matches.end(), [&](const Match& match) { return match.designed == designed; });
   return found == matches.end() ? "" : found->measured;
 }
 
-// The measured views of a designed one, as a round's photos call them: the one that it is, and the others near it,
-// which may be the same place under other lamps. Empty where it was not found.
+// Returns the names of measured views for a designed one: its match, and others near it, which may be the same
+// viewpoint under other lamps. Empty without a match.
 std::vector<std::string> measured_names(const std::vector<Match>& matches, const std::string& designed) {
   std::vector<std::string> out;
   for (const Match& match : matches) {
@@ -241,14 +241,14 @@ std::vector<std::string> measured_names(const std::vector<Match>& matches, const
   return out;
 }
 
-// The lights of a picture, and its white on a bench that calls them as the design does.
+// Returns the lights of a picture and its white balance on a bench with the design's names.
 Seen seen_on(const DesignView& picture, const Board& board, const Bench& bench) {
   Seen out{light_names(picture.light), {1, 1, 1}, picture.color && picture.white.kind == White::Kind::each};
   if (picture.color) out.gains = white_gains(picture, board, bench);
   return out;
 }
 
-// The same by the names of the round's photos; nothing where one of its lights was not found in them.
+// seen_on() with the names of the round's photos; nothing if one of its lights has no match.
 std::optional<Seen> seen_in_photos(const DesignView& picture, const Board& board, const Matching& names) {
   std::vector<std::string> lights;
   for (const std::string& id : light_names(picture.light)) {
@@ -260,7 +260,7 @@ std::optional<Seen> seen_in_photos(const DesignView& picture, const Board& board
   return out;
 }
 
-// The picture that a view is to show, on the carve area: luminance, or in color.
+// Returns a view's target on the carve area: luminance, or in color.
 Image target_of(const DesignView& view, double rotation_deg, const Board& board, const BoardFrame& frame) {
   const Eigen::Vector2d area = board.carve_max_mm - board.carve_min_mm;
   if (!view.color) return load_target(view.target, rotation_deg, area, frame.width, frame.height).picture;
@@ -304,7 +304,7 @@ ViewHistory history_of(const Rounds& in, std::size_t index) {
 
 std::string value_of(const Shown& shown) { return shown.there() ? decibels(shown.psnr_db) : ""; }
 
-// Target, and what each round promised and showed. The wipe begins between the target and the newest photo.
+// Returns the target, and each round's prediction and photo. The wipe starts between the target and the newest photo.
 std::string pictures_of(const ViewHistory& view) {
   std::vector<Figure> figures{{view.target.shown, "View " + view.view + ": the target, as it lies on the carve area",
                                "<b>Target</b>", "Target"}};
@@ -348,7 +348,7 @@ std::string table_of(const Rounds& in, const std::vector<ViewHistory>& views) {
   return table(out);
 }
 
-// Round after round as curves: dashed what was promised, whole what was photographed.
+// Returns curves over the rounds: dashed for predictions, solid for photos.
 std::string curves_of(const Rounds& in, const std::vector<ViewHistory>& views) {
   if (in.count < 2) return "";
   std::vector<Curve> curves;
@@ -376,7 +376,7 @@ std::string curves_of(const Rounds& in, const std::vector<ViewHistory>& views) {
   return chart(curves, words);
 }
 
-// The mean over those views that have both pictures, of one of them; and how many they are.
+// Mean PSNR of one kind of picture over the views that have both, and their number.
 struct Mean {
   double db = 0;
   int views = 0;
@@ -406,7 +406,7 @@ std::string pictures_in_words(int shown, std::size_t all) {
   return fmt::format("{} of its {} pictures", shown, all);
 }
 
-// One sentence for the top: what the newest board shows, beside the one before and the next.
+// Returns one sentence for the top: the result of the newest board, compared with the one before and the next.
 std::string outcome_of(const Rounds& in, const std::vector<ViewHistory>& views) {
   constexpr auto kPromised = &ViewInRound::promised, kSeen = &ViewInRound::photographed;
   const int last = in.measured;
@@ -477,10 +477,10 @@ std::string next_of(const Rounds& in, const RoundsQuality& quality) {
       html(photo_folders_in_words(project, in.count)), loop);
 }
 
-// What to mind in the comparison of rounds.
+// Returns the findings from the comparison of rounds.
 std::vector<Finding> findings_of(const Rounds& in, const std::vector<ViewHistory>& views) {
   std::vector<Finding> out;
-  std::vector<RerunView> reruns;  // the first board as photographed, and the second as promised or photographed
+  std::vector<RerunView> reruns;  // the first board as photographed, and the second as predicted or photographed
   for (std::size_t k = 0; k < views.size(); ++k) {
     const ViewHistory& view = views[k];
     const bool several = light_names(in.spec.views[k].light).size() > 1;
@@ -502,7 +502,7 @@ std::vector<Finding> findings_of(const Rounds& in, const std::vector<ViewHistory
   return out;
 }
 
-// As many pixels as the photos have on the carve area, between those that are compared and the most that are shown.
+// Returns the photos' resolution on the carve area, between the compared and the largest displayed one.
 int shown_side_px(const Rounds& in) {
   int longest = kSidePx;
   const auto look = [&](const Bench& bench) {
@@ -575,7 +575,7 @@ std::optional<Section> project_section(const fs::path& folder, const Progress& p
   if (!curves.empty()) out.open += "<section><h2>Round after round</h2>\n" + curves + "</section>\n";
   out.parts = folded("What each round promised and showed", "view by view, and how it is compared",
                      table_of(in, views) + kWhatIsCompared);
-  // The whole of the newest: the measured bench, and the design made for it.
+  // All about the newest round: the measured bench, and the design for it.
   if (in.measured > 0) {
     if (const auto session = session_section(in.project.round(in.measured), {}, progress)) {
       append(out.findings, session->findings);

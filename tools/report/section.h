@@ -33,7 +33,7 @@ std::optional<Section> session_section(const std::filesystem::path& folder, cons
                                        const Progress& progress);
 
 /// Section of a design, the output of `burin design` in `folder`: target, start and preview of every view, the loss,
-/// and the crop sheet.
+/// and the contact sheet.
 std::optional<Section> design_section(const std::filesystem::path& folder);
 
 /// Section of a loop project: its rounds side by side with the targets. The newest round's session and design are

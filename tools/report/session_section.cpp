@@ -1,4 +1,4 @@
-// How a calibrated session is shown: prediction beside photo, tags and residuals, numbers with their uncertainty.
+// Report of a calibrated session: prediction and photo side by side, tags and residuals, parameters with uncertainties.
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
@@ -44,14 +44,14 @@ namespace {
 
 constexpr int kRectifiedSidePx = 420;
 constexpr int kPhotoWidthPx = 900;
-constexpr double kWhitePercentile = 0.995;  // of the photo: the few brightest glints may saturate
+constexpr double kWhitePercentile = 0.995;  // of the photo: the brightest glints may saturate
 constexpr float kDifferenceScale = 0.25F;   // of the displayed white
 
 struct Loaded {
   Session session;
   Board board;
   Bench bench;
-  Carved carved;  // as the bench says they were carved; empty if the board names none
+  Carved carved;  // with the measured machine error of the bench; empty if the board names no scratches
   ResidualTable residuals;
   HoldOutFile held_out;
 };
@@ -60,7 +60,7 @@ Surface surface_of(const Loaded& in) { return surface_of(in.board, in.bench); }
 
 Eigen::Vector3d board_center_mm(const Board& board) { return {board.size_mm.x() / 2, board.size_mm.y() / 2, 0}; }
 
-// Clipped in every exposure: brighter than anything that is known, and compared with nothing.
+// Clipped in every exposure: brighter than any known value, and excluded from comparisons.
 Image with_clipped_infinite(const MergedView& merged) {
   Image out = merged.value;
   for (std::size_t i = 0; i < merged.valid.size(); ++i)
@@ -92,7 +92,7 @@ Agreement agreement(const Image& photo, const Image& predicted) {
 
 // --- photo beside prediction -----------------------------------------------------------------------------------------
 
-// One photo beside its prediction: HTML, and how far they are apart (infinite where that cannot be said).
+// A photo and its prediction: HTML, and their difference (infinite if it is unknown).
 struct PhotoComparison {
   std::string pictures;
   double relative_rms = std::numeric_limits<double>::infinity();
@@ -100,8 +100,7 @@ struct PhotoComparison {
 
 std::string percent(double part) { return std::isfinite(part) ? fixed(100 * part, 1) + " %" : "unknown"; }
 
-// Of the lights that a photo was taken under, those that the bench names: a room that it has no picture of is its
-// ambient light.
+// Returns the lights of a photo that the bench names. A room without a picture is the bench's ambient light.
 std::string known_lights(const Bench& bench, const std::string& joined) {
   std::vector<std::string> known;
   for (const std::string& name : light_names(joined))
@@ -163,7 +162,7 @@ std::string tag_outlines(const Loaded& in, const View& view, const Eigen::Vector
   return svg;
 }
 
-// Arrows much longer than the residuals are, by a round factor that makes the typical one visible.
+// Returns a round scale factor at which a typical residual's arrow is visible.
 double arrow_factor(const ResidualTable& residuals) {
   const double rms = residuals.rms_px();
   if (!(rms > 0)) return 100;
@@ -172,7 +171,7 @@ double arrow_factor(const ResidualTable& residuals) {
   return wanted / decade >= 5 ? 5 * decade : wanted / decade >= 2 ? 2 * decade : decade;
 }
 
-// The part of the photo that holds the board, with everything that is known about its corners drawn over it.
+// Draws all known about the corners over the photo, cropped to the board.
 Figure residual_photo(const Loaded& in, const MergedView& merged, const View& view, double factor) {
   PixelWindow window =
       window_of(lens_of(in.bench, view), view.T_camera_board, surface_of(in), {0, 0}, in.board.size_mm, 24);
@@ -211,7 +210,7 @@ bool is_determined(const Bench& bench, const std::string& parameter) {
   return verdict == nullptr || verdict->known();
 }
 
-// A value that the photos did not determine is never printed as if they had.
+// A cell never shows an undetermined value as if it were measured.
 std::string value_cell(const Bench& bench, const std::string& parameter, double value,
                        const std::optional<double>& sigma, const std::string& unit) {
   const std::string space = unit.empty() ? "" : " ";
@@ -302,7 +301,7 @@ std::string numbers(const Loaded& in) {
   return table(out);
 }
 
-// What the photos showed of metal, machine, paper and light beside the paper's model.
+// Returns the effects of metal, machine, paper and light beyond the paper's model.
 std::string effects(const Loaded& in) {
   const std::vector<Finding> findings = effect_findings(in.bench, in.board);
   if (findings.empty()) return "";
@@ -311,7 +310,7 @@ std::string effects(const Loaded& in) {
   return out + "</ul>\n";
 }
 
-// Every parameter that was judged, why, and what to photograph next for those that the photos left open.
+// Returns every judged parameter with its reason, and the next photo for undetermined ones.
 std::string verdicts(const Loaded& in) {
   if (in.bench.verdict.empty()) return "";
   Table out;
@@ -337,7 +336,7 @@ std::string verdicts(const Loaded& in) {
           table(out));
 }
 
-// How photos that were not used were predicted, beside how they are explained when they are.
+// Returns the prediction errors of held-out photos and the residuals of used ones.
 std::string held_out(const Loaded& in) {
   const HoldOutFile& held = in.held_out;
   std::string out;
@@ -376,7 +375,7 @@ std::string held_out(const Loaded& in) {
                 out);
 }
 
-// The machine's affine map in words: scales, turn, skew, offset, and the largest shift over the carve area.
+// Describes the affine machine calibration: scales, rotation, skew, offset, and the largest shift over the carve area.
 std::string machine_numbers(const Loaded& in) {
   const Affine2& m = in.bench.machine_affine;
   const auto& s = in.bench.machine_affine_sigma;
@@ -435,7 +434,7 @@ std::string view_numbers(const Loaded& in) {
          "something moved, is out of focus, or lies elsewhere than <code>board.json</code> says.</p>";
 }
 
-// What was found, in a line.
+// Returns the result in one line.
 std::string known_in_words(const Loaded& in) {
   const Bench& bench = in.bench;
   std::string out;
@@ -450,7 +449,7 @@ std::string known_in_words(const Loaded& in) {
   return out;
 }
 
-// What the photos leave open, and which photo would help.
+// Returns undetermined parameters and the photos that would help.
 std::vector<Finding> findings_of(const Loaded& in) {
   std::vector<Finding> out;
   for (const auto& [name, verdict] : in.bench.verdict) {
@@ -491,7 +490,7 @@ std::string outcome_of(const Loaded& in) {
   return out + ".";
 }
 
-// Grooves are measured after tags and lamp; then comes a design for the bench.
+// Grooves are measured after tags and lamp; the design for the bench follows.
 std::string next_of(const Loaded& in, const std::filesystem::path& session, const std::filesystem::path& bench) {
   const bool refined = in.bench.material_sigma.alpha || find_verdict(in.bench, parameter::kAlpha) != nullptr;
   if (!refined)
@@ -517,7 +516,7 @@ std::string residual_words(const Loaded& in, double factor) {
              number(factor));
 }
 
-// Those that agree least first; the many behind them are folded.
+// The worst predictions come first; all but the first few are folded.
 std::string photo_beside_prediction(std::vector<PhotoComparison> comparisons) {
   constexpr std::size_t kOpen = 3;
   std::ranges::stable_sort(comparisons, std::ranges::greater{}, &PhotoComparison::relative_rms);
@@ -537,7 +536,7 @@ std::string photo_beside_prediction(std::vector<PhotoComparison> comparisons) {
                    100 * kDifferenceScale);
 }
 
-// One view under one lamp, as the report shows it.
+// One view under one lamp, as shown in the report.
 struct ViewShown {
   std::optional<Finding> left_out;
   std::optional<PhotoComparison> comparison;
@@ -561,8 +560,8 @@ ViewShown view_shown(const Loaded& in, const MergedView& merged, bool first_of_v
   return out;
 }
 
-// All views in the session's order. A merged photo of 12 megapixels in color takes 300 MB, so each goes once its
-// pictures are drawn.
+// Returns all views in the session's order. A merged color photo of 12 megapixels takes 300 MB, so each one is freed
+// after its pictures are drawn.
 std::vector<ViewShown> views_shown(const Loaded& in, double factor, const Progress& progress) {
   if (progress) progress("reading photos for the report", 0);
   const std::vector<Bracket> brackets = brackets_of(in.session);

@@ -25,7 +25,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The texts that libgphoto2 gives while it works: the last one says more than the code that a call returns.
+// Stores the messages of libgphoto2. The latest one has more detail than a call's error code.
 void keep_text(GPContext*, const char* text, void* into) { *static_cast<std::string*>(into) = text; }
 
 [[noreturn]] void fail_camera(int code, const std::string& text, const std::string& doing) {
@@ -60,16 +60,16 @@ struct FreeWidget {
 };
 using Widget = std::unique_ptr<CameraWidget, FreeWidget>;
 
-// How long one call waits for an event; then it is quiet.
+// Longest wait of one call for an event.
 constexpr int kQuiet_ms = 300;
-// How long files are waited for where nobody knows how many come, from the last one on; and where one is known to lack.
+// Waiting times since the latest file: for an unknown number of files, and for a file that is known to be missing.
 constexpr std::chrono::milliseconds kUnknownFiles(3000), kMissingFile(15000);
 
-// One release of the shutter, and what it brought.
+// One release of the shutter and its files.
 struct Release {
   std::vector<CameraFilePath> on_card;
-  std::vector<fs::path> files;  // our copies
-  std::optional<Exif> exif;     // of the first that has an exposure
+  std::vector<fs::path> files;  // copies on disk
+  std::optional<Exif> exif;     // of the first one with an exposure
 };
 
 std::string stem_of(const CameraFilePath& path) { return fs::path(path.name).stem().string(); }
@@ -101,10 +101,10 @@ struct TetheredCamera::State {
   bool connected = false;
   std::string model;
   std::vector<double> shutters_s;
-  std::vector<std::pair<double, std::string>> dial;         // the times, and as the camera writes them
-  std::vector<std::pair<std::string, std::string>> former;  // settings that were changed: name, value before
+  std::vector<std::pair<double, std::string>> dial;         // times, and the camera's texts for them
+  std::vector<std::pair<std::string, std::string>> former;  // changed settings: name, original value
   std::vector<Release> releases;
-  std::size_t kinds_of_one = 0;  // of files that a release makes (raw, JPEG), as far as is known; 0: not known
+  std::size_t kinds_of_one = 0;  // number of file types per release (raw, JPEG); 0: unknown
 
   State() {
     context = gp_context_new();
@@ -122,7 +122,7 @@ struct TetheredCamera::State {
     if (code < GP_OK) fail_camera(code, text, doing);
   }
 
-  // A setting of the camera; nothing where it has none of that name.
+  // Returns a setting of the camera; nothing if it has none of that name.
   Widget setting(const std::string& name) const {
     CameraWidget* widget = nullptr;
     const int code = gp_camera_get_single_config(camera, name.c_str(), &widget, context);
@@ -152,7 +152,7 @@ struct TetheredCamera::State {
     return out;
   }
 
-  // Sets one, and keeps what it was before the first time.
+  // Sets a value and stores the original one at the first change.
   int set(const std::string& name, const std::string& value) {
     const Widget widget = setting(name);
     if (!widget) return GP_ERROR_NOT_SUPPORTED;
@@ -241,7 +241,7 @@ void TetheredCamera::State::read_dial() {
   for (const auto& [s, choice] : dial) shutters_s.push_back(s);
 }
 
-// An exposure time says nothing where the camera makes up for it.
+// Automatic ISO would compensate for the exposure time.
 void TetheredCamera::State::fix_iso() {
   const Widget widget = setting("iso");
   if (!widget || !is_choice(widget.get()) || !lower_case(value_of(widget.get())).starts_with("auto")) return;
@@ -262,12 +262,12 @@ void TetheredCamera::State::keep_on_card() {
   if (!widget || !is_choice(widget.get())) return;
   for (const std::string& choice : choices_of(widget.get()))
     if (lower_case(choice).find("card") != std::string::npos) {
-      set("capturetarget", choice);  // without a card the camera says no, and keeps photos in its memory
+      set("capturetarget", choice);  // without a card the camera refuses, and keeps photos in its memory
       return;
     }
 }
 
-// "RAW + Large Fine JPEG", "NEF+Basic": two files a photo. Cameras without such a setting show how many they make.
+// "RAW + Large Fine JPEG", "NEF+Basic": two files per photo. Without such a setting, the photos show their number.
 void TetheredCamera::State::read_formats() {
   for (const char* name : {"imageformat", "imagequality"}) {
     const Widget widget = setting(name);
@@ -311,7 +311,7 @@ TetheredCamera::TetheredCamera(const std::string& port) : state_(new State) {
 TetheredCamera::~TetheredCamera() {
   try {
     put_back();
-  } catch (const Error&) {  // it does not answer: whoever wanted to know called put_back()
+  } catch (const Error&) {  // no answer: put_back() reports this to callers that need it
   }
 }
 
@@ -332,14 +332,14 @@ double TetheredCamera::set_shutter(double exposure_s) {
   return nearest->first;
 }
 
-// The release that a file is of: the last one, unless its name or, failing that, its EXIF is that of an earlier one
-// which has no file of its kind.
+// Finds the release of a file. It is an earlier one if it has the same name, or else the same EXIF, and no file of this
+// type yet. Otherwise it is the latest one.
 std::size_t TetheredCamera::State::release_of(const CameraFilePath& path, const std::optional<Exif>& exif) const {
   const std::size_t last = releases.size() - 1;
   const Release& now = releases[last];
   for (std::size_t i = releases.size(); i-- > 0;) {
     const Release& release = releases[i];
-    if (release.on_card.empty() || has_ending(release, path)) continue;  // cameras without a card use a name again
+    if (release.on_card.empty() || has_ending(release, path)) continue;  // cameras without a card reuse a name
     if (stem_of(release.on_card.front()) == stem_of(path)) return i;
   }
   if (!exif || (now.exif && is_of_one_exposure(*now.exif, *exif))) return last;
@@ -354,7 +354,7 @@ void TetheredCamera::State::take_in(const CameraFilePath& path, const fs::path& 
   try {
     exif = read_exif(file);
     if (!exif->exposure_s) exif.reset();
-  } catch (const Error&) {  // whoever uses the file will say so
+  } catch (const Error&) {  // the next reader of the file reports the error
   }
   const std::size_t index = release_of(path, exif);
   Release& release = releases[index];
@@ -372,8 +372,7 @@ CameraEventType TetheredCamera::State::take_in_next(const fs::path& folder, std:
   const std::unique_ptr<void, void (*)(void*)> owner(data, std::free);
   if (event != GP_EVENT_FILE_ADDED || data == nullptr || releases.empty()) return event;
   const auto& path = *static_cast<const CameraFilePath*>(data);
-  // Events tell of files that are known, too, and of a second card's copies. Without a card each photo has the same
-  // name.
+  // Events also report known files, and a second card's copies. Without a card all photos have the same name.
   const auto has_name = [&](const Release& release) {
     return std::any_of(release.on_card.begin(), release.on_card.end(),
                        [&](const CameraFilePath& other) { return std::string_view(path.name) == other.name; });
@@ -397,7 +396,7 @@ TakenPhoto TetheredCamera::take(const fs::path& folder, const std::function<bool
   auto last_file = released;
   s.take_in(path, folder, out.late);
   const auto all_there = [&] {
-    const std::size_t kinds = kinds_of(s.releases.back());  // none where the file was an earlier photo's
+    const std::size_t kinds = kinds_of(s.releases.back());  // none if the file belongs to an earlier photo
     if (kinds == 0 || kinds < s.kinds_of_one) return Clock::now() - released > kMissingFile;
     return s.kinds_of_one > 0 || Clock::now() - last_file > kUnknownFiles;
   };
@@ -405,7 +404,7 @@ TakenPhoto TetheredCamera::take(const fs::path& folder, const std::function<bool
   while (!is_stopped()) {
     const CameraEventType event = s.take_in_next(folder, out.late);
     if (event == GP_EVENT_FILE_ADDED) last_file = Clock::now();
-    // Some cameras are never quiet.
+    // Some cameras never stop sending events.
     const bool quiet = event == GP_EVENT_TIMEOUT || Clock::now() - last_file > std::chrono::milliseconds(kQuiet_ms);
     if (quiet && all_there()) break;
   }
@@ -427,7 +426,7 @@ std::vector<LateFile> TetheredCamera::late_files(const fs::path& folder) {
   const auto until = std::chrono::steady_clock::now() + std::chrono::milliseconds(kQuiet_ms);
   while (s.take_in_next(folder, late) != GP_EVENT_TIMEOUT && std::chrono::steady_clock::now() < until) {
   }
-  // What came now is late for the last photo as well.
+  // A file that arrives after the wait is late for the latest photo too.
   const std::vector<fs::path>& files = s.releases.back().files;
   for (std::size_t i = before; i < files.size(); ++i)
     late.push_back({files[i], {files.begin(), files.begin() + static_cast<std::ptrdiff_t>(before)}});
@@ -442,7 +441,7 @@ void TetheredCamera::put_back() {
     state_->former.pop_back();
     const std::size_t others = state_->former.size();
     if (state_->set(name, value) < GP_OK) left += fmt::format("{}{} (was {})", left.empty() ? "" : ", ", name, value);
-    state_->former.resize(others);  // set() would keep this change as well
+    state_->former.resize(others);  // set() would store this change as well
   }
   if (!left.empty()) fail("the camera", "could not be set back: " + left, "set that by hand on the camera");
 }

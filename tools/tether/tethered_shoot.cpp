@@ -24,16 +24,16 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kMostDarker = 5;  // steps of three stops for the glints
-// Shares of white: darker ones lose tags in the dark, brighter ones in the light.
+// Shares of white. Darker paper hides tags in shadows; brighter paper hides them by clipping.
 constexpr double kDark = 0.3, kWhite = 0.97;
 
-// A raw file goes before its JPEG, as in `burin capture`.
+// Prefers a raw file to its JPEG, as in `burin capture`.
 fs::path one_of(const std::vector<fs::path>& files) {
   const auto raw = std::find_if(files.begin(), files.end(), [](const fs::path& file) { return is_raw(file); });
   return raw != files.end() ? *raw : files.front();
 }
 
-// A late file of a photo that is kept lies beside it; one of a try that was dropped goes as well.
+// Keeps a late file next to its photo, and deletes a late file of a rejected photo.
 void put_late(const std::vector<LateFile>& late) {
   std::error_code ignored;
   for (const LateFile& one : late)
@@ -42,15 +42,16 @@ void put_late(const std::vector<LateFile>& late) {
       fs::remove(one.file, ignored);
 }
 
-// Cameras whose dial has no such time, or that were told too soon, take a neighbor of it. What they take is in EXIF.
+// A camera uses a neighboring time if its dial lacks the requested one, or if the request came too early. EXIF has the
+// used time.
 void name_other_time(const Exif& exif, double asked_s) {
-  constexpr double kSameTime = 0.1;  // 1/60 is 1/64 in truth; neighbors are a fourth apart
+  constexpr double kSameTime = 0.1;  // 1/60 means 1/64; neighbors differ by a fourth
   if (exif.exposure_s && std::abs(std::log(*exif.exposure_s / asked_s)) > kSameTime)
     note(make_warning(fmt::format("the camera took {} for the {} asked; what it took counts",
                                   shutter_words(*exif.exposure_s), shutter_words(asked_s))));
 }
 
-// The photo, judged; none where it was stopped before a file of it came.
+// Takes and judges a photo; null if it was stopped before its first file.
 const JudgedPhoto* take_one(TetheredCamera& camera, double asked_s, const fs::path& photos, Shoot& shoot,
                             const PhotoTold& told, const std::function<bool()>& stopped, std::vector<fs::path>& files) {
   const TakenPhoto taken = camera.take(photos, stopped);
@@ -68,7 +69,7 @@ const JudgedPhoto* take_one(TetheredCamera& camera, double asked_s, const fs::pa
   return &shoot.photos.back();
 }
 
-// Our own copies of a try that was of no use; the camera keeps its.
+// Deletes the copies of a rejected photo; the camera keeps its own.
 void drop(const std::vector<fs::path>& files, Shoot& shoot) {
   remove_photo(one_of(files), shoot);
   std::error_code ignored;
@@ -80,7 +81,8 @@ double time_for(double factor, const PhotoFacts& like) {
   return factor * f_number * f_number / (like.exif.iso.value_or(100) / 100);
 }
 
-// What a photo has that no other exposure mends; empty if nothing. Tags are lost in the dark and in the light.
+// Returns a fault that no other exposure removes; empty if there is none. Over- and underexposure hide tags, so a photo
+// without tags alone is no such fault.
 std::string cannot_go_on(const JudgedPhoto& photo) {
   const PhotoFacts& facts = photo.facts;
   const bool lost = facts.tags.empty() || facts.paper_clipped > kPaperLost || facts.paper < kDark;
@@ -90,19 +92,19 @@ std::string cannot_go_on(const JudgedPhoto& photo) {
   return "";
 }
 
-// What tries have shown: the time that is wanted lies between these two.
+// Result of the photos so far: the wanted time is between dark_s and bright_s.
 struct PaperSearch {
   std::set<double> tried;
-  double dark_s = 0;                                          // the longest at which the paper was too dark
-  double bright_s = std::numeric_limits<double>::infinity();  // the shortest at which it was too bright
-  double dark_paper = 0;                                      // of white, at dark_s; 0 where no tag was seen
-  std::string no_tag;  // what is said of a photo that shows none of them, though it is neither dark nor clipped
+  double dark_s = 0;                                          // longest time with too dark paper
+  double bright_s = std::numeric_limits<double>::infinity();  // shortest time with too bright paper
+  double dark_paper = 0;                                      // share of white at dark_s; 0 if no tag was detected
+  std::string no_tag;  // message for a photo without tags that is neither dark nor clipped
   bool tag_seen = false;
-  double useful_s = 0;  // of those that show the tags well, the nearest to 60 %
-  double useful_stops = std::numeric_limits<double>::infinity();  // how far it is from there
+  double useful_s = 0;                                            // of the photos with good tags, the nearest to 60 %
+  double useful_stops = std::numeric_limits<double>::infinity();  // its distance from 60 %
 };
 
-// The dial's time nearest to the wanted one, of those between that were not tried; 0 if there is none.
+// Returns the untried time on the dial between the limits that is nearest to the wanted one; 0 if there is none.
 double next_time(const TetheredCamera& camera, const PaperSearch& search, double wanted_s) {
   double best = 0;
   for (const double time_s : camera.shutters_s()) {
@@ -112,7 +114,7 @@ double next_time(const TetheredCamera& camera, const PaperSearch& search, double
   return best;
 }
 
-// Takes in what a try showed, and returns the time that its paper asks for.
+// Updates the search with a photo, and returns the exposure time that its paper needs.
 double learn(double time_s, const JudgedPhoto& photo, const Board& board, PaperSearch& search) {
   const PhotoFacts& facts = photo.facts;
   search.tag_seen |= !facts.tags.empty();
@@ -141,7 +143,7 @@ double learn(double time_s, const JudgedPhoto& photo, const Board& board, PaperS
   return time_for(factor, facts);
 }
 
-// Why no time shows the paper well.
+// Explains why no time shows the paper well.
 std::string no_time_words(const PaperSearch& search) {
   if (!search.tag_seen && !search.no_tag.empty()) return search.no_tag;
   if (!(search.dark_s > 0))
@@ -157,8 +159,8 @@ std::string no_time_words(const PaperSearch& search) {
          "stop";
 }
 
-// The exposure time of the tags' paper: 0 where it was not found, and then `why` says so. The photo that shows it is
-// the last of `shoot`.
+// Finds the exposure time of the tags' paper; its photo is the last of `shoot`. Returns 0, with the reason in `why`, if
+// it fails.
 double find_paper(TetheredCamera& camera, const fs::path& photos, Shoot& shoot, const PhotoTold& told,
                   const std::function<bool()>& stopped, std::string& why) {
   constexpr double kNearPaper = 2.0 / 3;  // stops
@@ -183,13 +185,13 @@ double find_paper(TetheredCamera& camera, const fs::path& photos, Shoot& shoot, 
     why = no_time_words(search);
     return 0;
   }
-  camera.set_shutter(search.useful_s);  // not at 60 %, but of use: once more
+  camera.set_shutter(search.useful_s);  // not at 60 %, but useful: repeat it
   const JudgedPhoto* photo = take_one(camera, search.useful_s, photos, shoot, told, stopped, files);
   why = photo == nullptr ? "stopped" : cannot_go_on(*photo);
   return why.empty() ? search.useful_s : 0;
 }
 
-// True once a line came; false at the input's end, at "q", or when asked to stop.
+// Returns true after a line; false at the end of the input, at "q", or after a request to stop.
 bool wait_for_enter() {
   std::string line;
   while (!StopOnSignal::asked()) {
@@ -211,7 +213,7 @@ std::string take_bracket(TetheredCamera& camera, const std::vector<double>& stop
   std::string why;
   const double paper_s = find_paper(camera, photos, shoot, told, stopped, why);
   if (!(paper_s > 0)) return why;
-  const std::size_t first = shoot.photos.size() - 1;  // the paper's photo: a bracket is whole by itself
+  const std::size_t first = shoot.photos.size() - 1;  // start of the bracket: only its own photos count
   std::set<double> taken{paper_s};
   std::vector<fs::path> files;
   const auto take = [&](double time_s) -> std::string {
@@ -221,7 +223,7 @@ std::string take_bracket(TetheredCamera& camera, const std::vector<double>& stop
   for (const double stop : stops) {
     if (stopped()) return "stopped";
     const double time_s = camera.set_shutter(paper_s * std::exp2(stop));
-    if (!taken.insert(time_s).second) continue;  // the paper's own, or the end of the dial
+    if (!taken.insert(time_s).second) continue;  // the paper's own time, or the end of the dial
     if (std::string wrong = take(time_s); !wrong.empty()) return wrong;
   }
   for (int i = 0; stops.empty() && i < kMostDarker; ++i) {
@@ -238,7 +240,7 @@ std::string take_bracket(TetheredCamera& camera, const std::vector<double>& stop
     if (std::string wrong = take(time_s); !wrong.empty()) return wrong;
   }
   put_late(camera.late_files(photos));
-  camera.set_shutter(paper_s);  // where the next place begins
+  camera.set_shutter(paper_s);  // start for the next place
   return why;
 }
 
