@@ -36,7 +36,7 @@ namespace fs = std::filesystem;
 
 constexpr int kFramesAPlace = 8, kMostFrames = 240;
 
-// A pinhole that holds all of the board from the nearest place.
+// A pinhole lens that shows the whole board from the nearest place.
 Lens lens_for(const Board& board, double nearest_mm, int pixels) {
   const double rim_mm = 0.5 * board.size_mm.norm();
   const double focal_px = 0.48 * pixels * std::sqrt(std::max(nearest_mm * nearest_mm - rim_mm * rim_mm, 1e-6)) / rim_mm;
@@ -84,27 +84,27 @@ fs::path numbered_frame(const fs::path& folder, int frame) {
   return folder / ("frame-" + number + ".png");
 }
 
-// A program that is started with bytes for its standard input, and ends with this one: when the pipe ends, or at once
-// where this process is ended (PR_SET_PDEATHSIG is its thread's end, which here waits).
+// A child process that reads bytes from standard input and never outlives this process. It ends with its input, or at
+// once if this process is killed. PR_SET_PDEATHSIG acts at the end of the parent thread, which waits here.
 class FedProgram {
  public:
-  // `output` is its descriptor 3. Throws Error where the system has no room for another process.
+  // The child gets `output` as descriptor 3. Throws Error if the system cannot start another process.
   FedProgram(std::vector<std::string> words, int output, const fs::path& for_file) {
     std::vector<char*> arguments;
     arguments.reserve(words.size() + 1);
     for (std::string& word : words) arguments.push_back(word.data());
     arguments.push_back(nullptr);
     std::array<int, 2> ends{-1, -1};
-    // A socket, since a pipe that nobody reads any more ends this process by a signal.
+    // A socket, because writing to a broken pipe would end this process by a signal.
     if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0)
       fail_with(for_file, "cannot be written: there is no pipe to " + words.front(), errno);
     input_ = Descriptor(ends[0]);
     const Descriptor theirs(ends[1]);
     const pid_t parent = ::getpid();
     process_ = ::fork();
-    if (process_ == 0) {  // another thread may hold any lock: system calls alone
+    if (process_ == 0) {  // other threads may hold locks: only system calls are safe
       ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-      // Descriptors below 3 are open (fill_closed_streams): neither of these is in the other's way.
+      // Descriptors below 3 are open (fill_closed_streams), so these two do not collide.
       if (::getppid() == parent && ::dup2(theirs.number(), STDIN_FILENO) >= 0 && ::dup2(output, kOutput) >= 0 &&
           ::fcntl(kOutput, F_SETFD, 0) == 0)
         ::execvp(arguments[0], arguments.data());
@@ -120,7 +120,7 @@ class FedProgram {
   FedProgram(const FedProgram&) = delete;
   FedProgram& operator=(const FedProgram&) = delete;
 
-  // False where it reads no more.
+  // Returns false if the child reads no more.
   bool feed(std::string_view bytes) {
     while (!bytes.empty()) {
       const ssize_t sent = ::send(input_.number(), bytes.data(), bytes.size(), MSG_NOSIGNAL);
@@ -131,7 +131,7 @@ class FedProgram {
     return true;
   }
 
-  // Its input ends; waits for it. Its exit status; -1 where a signal ended it.
+  // Closes its input and waits for it. Returns its exit status; -1 after a signal.
   int end() {
     input_ = Descriptor();
     int status = 0;
@@ -148,7 +148,7 @@ class FedProgram {
   pid_t process_ = -1;
 };
 
-// No frame is a file, and the film is one that this process has open: whatever happens, nothing of either is left.
+// Frames are not written to files, and this process opens the film itself, so that a failure leaves no files.
 void write_film(const std::vector<std::string>& frames, double frames_per_s, const fs::path& out) {
   write_atomically(out, [&](const fs::path& part) {
     const Descriptor film(::open(part.c_str(), O_RDWR | O_CLOEXEC));
@@ -167,7 +167,7 @@ void write_film(const std::vector<std::string>& frames, double frames_per_s, con
   });
 }
 
-// Returns how many frames there are, with those of the way back.
+// Returns the number of frames, including the way back.
 int write_frames(std::vector<std::string> frames, const AnimateOptions& options, const fs::path& out) {
   if (options.there_and_back)
     for (std::size_t i = frames.size() - 1; i-- > 1;) frames.push_back(frames[i]);

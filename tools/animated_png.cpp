@@ -69,13 +69,13 @@ void append_chunk(std::string& to, std::string_view type, std::string_view data)
 
 std::string animated_png(const std::vector<std::string>& frames, double frames_per_s) {
   if (frames.empty()) fail("animation", "there are no frames", "give one at least");
-  constexpr std::uint32_t kTicks = 1000;  // a second
+  constexpr std::uint32_t kTicks = 1000;  // per second
   const auto delay = static_cast<std::uint32_t>(std::clamp(std::lround(kTicks / frames_per_s), 1L, 65535L));
   const std::vector<Chunk> first = chunks_of(frames.front());
   std::string out(kSignature);
   append_chunk(out, "IHDR", first.front().data);
   append_chunk(out, "acTL", big_endian(static_cast<std::uint32_t>(frames.size())) + big_endian(0));
-  for (const Chunk& chunk : first)  // how colors are meant
+  for (const Chunk& chunk : first)  // color space
     if (chunk.type == "sRGB" || chunk.type == "gAMA" || chunk.type == "cHRM") append_chunk(out, chunk.type, chunk.data);
   std::uint32_t number = 0;
   for (std::size_t i = 0; i < frames.size(); ++i) {

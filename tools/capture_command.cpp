@@ -29,7 +29,7 @@
 namespace burin {
 namespace {
 
-// Whether a name is that of a light of the bench, or of several: "lamp + room".
+// Returns true for the name of a light of the bench, or of several: "lamp + room".
 bool names_lights_of(const std::string& name, const Bench& bench) {
   const std::string_view between = " + ";
   const std::size_t end = name.find(between);
@@ -39,8 +39,8 @@ bool names_lights_of(const std::string& name, const Bench& bench) {
   return known && (end == std::string::npos || names_lights_of(name.substr(end + between.size()), bench));
 }
 
-// The lamps of the photos: the one that was said, or that the bench has, for those in no lamp's folder; and the names
-// that folders within may have.
+// Returns the lamp of photos outside of lamp folders (the given one, or that of the bench) and the possible names of
+// lamp folders.
 PhotoLamps photo_lamps(const std::string& said, bool is_new, const std::filesystem::path& bench_file) {
   if (bench_file.empty()) return {said.empty() ? Photo().light : said, {}};
   const Bench bench = read_bench(bench_file);
@@ -55,7 +55,7 @@ PhotoLamps photo_lamps(const std::string& said, bool is_new, const std::filesyst
   }
   if (bench.lights.size() == 1)
     out.of_folder = bench.lights.front().id;
-  else if (out.names.size() == 1)  // beside the sun, or in a room
+  else if (out.names.size() == 1)  // besides the sun, or in a room
     out.of_folder = out.names.front();
   else if (out.names.empty())
     fail(bench_file.string(), "has no lamp whose name the photos could take", "say which with --light NAME");
@@ -70,7 +70,8 @@ struct CaptureArguments {
   bool tether = false, once = false, new_lamp = false;
 };
 
-// By a connected camera, into the folder of photos, or of their lamp where there are several; each is told as it comes.
+// Takes photos with a tethered camera into the folder of photos, or of their lamp if there are several. Reports each
+// photo at its arrival.
 void take_photos(const CaptureArguments& o, const PhotoLamps& lamps) {
   if (lamps.names.size() > 1 && o.light.empty())
     fail("--tether", fmt::format("{} has several lamps, and photos do not tell which is on", o.bench.string()),
@@ -96,7 +97,7 @@ void take_photos(const CaptureArguments& o, const PhotoLamps& lamps) {
   });
 }
 
-// What the project knows in whose round the photos lie, unless the command line says it.
+// Fills missing options from the project of the photos' round.
 void take_round(const CLI::App& command, CaptureArguments& o) {
   if (std::optional<ProjectSettings> settings = settings_around(o.photos.empty() ? o.out : o.photos)) {
     const Project& project = settings->at.project;

@@ -1,4 +1,4 @@
-// burin check: looks before metal moves; compares Burin with known answers.
+// burin check: inspects G-code before carving, and compares Burin with known results.
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
@@ -49,17 +49,17 @@ struct CarveOptions {
   CarveCheckFiles files;
 };
 
-// What is looked at, and where the page goes.
+// Checked files and output page.
 struct CarveJob {
   CarveCheckFiles files;
   std::filesystem::path page;
-  std::optional<LoopProject> loop;  // if it is G-code of the loop's `round`
+  std::optional<LoopProject> loop;  // set if the G-code belongs to the loop's `round`
   int round = 0;
   bool is_loops_own = false;  // under the loop's own settings, into the loop's page
 };
 
-// G-code that was written before the sheet was probed, or before something else that it rests on was changed. A round's
-// by the loop's own rule: its record.
+// Reports G-code that is older than the probed heights or than another of its inputs. For a round, the loop's record
+// decides.
 std::vector<Finding> outdated(const CarveJob& job) {
   ContentHashes hashes;
   if (StageState state = job.loop ? state_of(*job.loop, {job.round, StageKind::toolpath}, hashes) : StageState();
@@ -85,8 +85,8 @@ bool same_file(const std::filesystem::path& a, const std::filesystem::path& b) {
   return a == b || std::filesystem::equivalent(a, b, ignored);
 }
 
-// The folder of a loop's round that `what` names: itself, the newest designed one of a project's folder, or the one
-// that a table or a tool path lies in. Empty: none.
+// Returns the loop's round for `what`: a round itself, the newest designed one of a project, or the one with the given
+// table or tool path. Empty: none.
 std::filesystem::path round_of(const std::filesystem::path& what, const std::optional<ProjectSettings>& project) {
   const bool is_folder = std::filesystem::is_directory(what);
   const std::filesystem::path otherwise = is_folder ? what : std::filesystem::path();
@@ -104,12 +104,12 @@ std::filesystem::path round_of(const std::filesystem::path& what, const std::opt
   return round > 0 ? of.round(round) : otherwise;
 }
 
-// Whether the loop has checked that round itself.
+// Returns true if the loop has checked that round.
 bool has_page(const Project& project, int round) {
   return std::filesystem::exists(record_file(project, {round, StageKind::check}));
 }
 
-// Whether what was said is what the loop itself checks with: then the page is the loop's.
+// Returns true if the settings equal the loop's own; then the page belongs to the loop.
 bool is_loops_own(const CarveCheckFiles& files, const CarveCheckFiles& own, const ProjectSettings& project) {
   const std::string machine = project.machine.empty() ? CarveCheckFiles().machine : project.machine;
   bool same = files.follow_bow == project.follow_bow && files.gcode == own.gcode &&

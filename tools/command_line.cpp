@@ -66,7 +66,7 @@ std::unique_ptr<CLI::App> make_app() {
       "`burin help COMMAND` shows a command's options and an example. Begin with `burin new`.\n"
       "BURIN_THREADS and BURIN_SIMD stand for --threads and --simd.");
   burin->require_subcommand(1);
-  // Read before any command's work begins; the limit lives as long as the app, and so while the command runs.
+  // The limit must exist before a command's work begins, and lives as long as the app.
   const auto limit = std::make_shared<std::unique_ptr<ThreadLimit>>();
   burin
       ->add_option_function<std::string>(
@@ -80,7 +80,7 @@ std::unique_ptr<CLI::App> make_app() {
           "Which of the processor's instructions pictures are computed with: sse2, avx2 or avx512 (the widest it has "
           "unless given, here or as BURIN_SIMD); the same ones give the same design on another machine")
       ->type_name("NAME");
-  // Taken out before anything is parsed (tools/output_mode.h); here for --help.
+  // take_output_mode() removes these before parsing (tools/output_mode.h). Here they only appear in --help.
   burin->add_flag("--quiet")->description("Say nothing but notes and errors");
   burin->add_flag("--json")->description("Say all in one JSON object when it is done");
   const auto group = [&](const char* name, std::initializer_list<void (*)(CLI::App&)> commands) {
@@ -162,7 +162,7 @@ std::string did_you_mean(const std::string& word, const std::vector<std::string>
 }
 
 void parse(CLI::App& app, const std::vector<std::string>& arguments) {
-  // CLI11 would say only that a command is missing.
+  // CLI11 would only report a missing command.
   const std::size_t at = place_of_command(arguments);
   const auto is_named = [&](const CLI::App* command) { return command->get_name() == arguments[at]; };
   if (at < arguments.size() && !arguments[at].starts_with('-') && app.get_subcommands(is_named).empty())
@@ -209,7 +209,8 @@ std::string too_few_threads() {
   return fmt::format("threads: the system gives too few; {}, or use fewer: burin --threads 1", error_remedy(EAGAIN));
 }
 
-// The sentence about an exception that ends the command; empty where standard output's is still to come.
+// Returns the sentence for an exception that ends the command. Returns an empty one if the check of standard output
+// will report the error.
 std::string exception_sentence(const std::exception_ptr& thrown) {
   try {
     if (thrown) std::rethrow_exception(thrown);
@@ -217,12 +218,12 @@ std::string exception_sentence(const std::exception_ptr& thrown) {
   } catch (const Error& error) {
     return error.what();
   } catch (const std::filesystem::filesystem_error& error) {
-    // What nobody looked at before: a folder that may not be read, links in a circle, a name that is too long.
+    // Errors without an earlier check: a folder without read permission, circular links, a name that is too long.
     return fmt::format("{}: cannot be used: {}; {}",
                        error.path1().empty() ? "a file or folder" : printable(error.path1().string()),
                        error_text(error.code().value()), error_remedy(error.code().value()));
   } catch (const std::system_error& error) {
-    // Standard output's is told when all is over; this is what fmt::print throws for it.
+    // fmt::print throws this for standard output, whose error is reported at the end.
     if (std::ferror(stdout) != 0) return {};
     if (error.code().value() == EAGAIN) return too_few_threads();
     return fmt::format("{}; {}", error.what(), error_remedy(error.code().value()));
@@ -230,9 +231,9 @@ std::string exception_sentence(const std::exception_ptr& thrown) {
     return fmt::format("memory ran out; {}", kMoreMemory);
   } catch (const std::exception& error) {
     const std::string_view what = error.what();
-    if (what.find("Failed to allocate") != std::string_view::npos)  // OpenCV's own words
+    if (what.find("Failed to allocate") != std::string_view::npos)  // message of OpenCV
       return fmt::format("memory ran out; {}", kMoreMemory);
-    if (what.find("pthread_create") != std::string_view::npos) return too_few_threads();  // TBB's own words
+    if (what.find("pthread_create") != std::string_view::npos) return too_few_threads();  // message of TBB
     return fmt::format("{}; this is a fault in Burin, please report it with the command you gave", printable(what));
   } catch (...) {
     return "an unknown exception; this is a fault in Burin, please report it with the command you gave";
@@ -269,13 +270,12 @@ int run_in_words(const std::vector<std::string>& arguments) {
 
 namespace {
 
-// The program's own options before the command, wherever they stand; those of which the command has one of that name,
-// behind it.
+// Moves the program's own options before the command. Options that the command has too stay behind it.
 std::vector<std::string> program_options_first(const std::vector<std::string>& arguments) {
   const auto app = make_app();
   const std::size_t at = place_of_command(arguments);
   const CLI::App* command = app.get();
-  std::ptrdiff_t names = 0;  // "check carve" are two
+  std::ptrdiff_t names = 0;  // "check carve" has two
   for (std::size_t i = at; i < arguments.size(); ++i, ++names) {
     const auto among = command->get_subcommands([&](const CLI::App* one) { return one->get_name() == arguments[i]; });
     if (among.empty()) break;
@@ -285,7 +285,7 @@ std::vector<std::string> program_options_first(const std::vector<std::string>& a
   std::vector<std::string> first, rest, own;
   for (std::size_t i = 0; i < arguments.size(); ++i) {
     const std::string& word = arguments[i];
-    if (i >= at && word == "--") {  // what follows is no option
+    if (i >= at && word == "--") {  // no options after this
       rest.insert(rest.end(), arguments.begin() + static_cast<std::ptrdiff_t>(i), arguments.end());
       break;
     }

@@ -52,7 +52,7 @@ std::string unit_of(DepthBy depth_by) {
   }
 }
 
-// Of each scratch as it was written into the G-code, back in the coupon's own frame.
+// Converts the scratches in the written G-code back to the coupon's own frame.
 Scratches in_coupon(const CouponPlan& plan, const Sent& sent) {
   Scratches out = sent.scratches;
   for (std::size_t i = 0; i < out.size(); ++i) {
@@ -115,7 +115,7 @@ void write_coupon_files(WriteOptions options, const CLI::App& command) {
     shifted.y0_mm[i] += plan.coupon.at_mm.y(), shifted.y1_mm[i] += plan.coupon.at_mm.y();
   }
   MachineProfile unasked = plan.machine;
-  unasked.depth_table.assumed = false;  // that its table is a guess is why a coupon is carved
+  unasked.depth_table.assumed = false;  // a coupon is carved because the table is assumed
   ProgressBar bar;
   FilesTogether all;
   const ToolpathReport report =
@@ -147,11 +147,11 @@ struct ReadOptions {
   std::string machine;
 };
 
-// Throws Error where a photo shows tags of other coupons only: no other message would say that they were mixed up.
+// Throws Error for a photo with tags of other coupons only. No later message would identify mixed up coupons.
 void fail_if_another(const fs::path& photo, const Coupon& coupon, const fs::path& folder, const Board& board) {
   Photo linear;
   linear.file = photo;
-  linear.encoding = Encoding::srgb;  // tags are found in either
+  linear.encoding = Encoding::srgb;  // tag detection works with any encoding
   std::vector<int> others;
   try {
     TagDetector detector(board.tags.family);
@@ -161,7 +161,7 @@ void fail_if_another(const fs::path& photo, const Coupon& coupon, const fs::path
       if (tag.id >= first_coupon_tag(1) && number <= kMostCoupons) others.push_back(number);
     }
   } catch (const Error&) {
-    return;  // what cannot be read is said by those who read it
+    return;  // the actual reader reports an unreadable photo
   }
   if (others.size() < 3 || std::count(others.begin(), others.end(), others.front()) < 3) return;
   fail(photo.string(),
@@ -169,7 +169,7 @@ void fail_if_another(const fs::path& photo, const Coupon& coupon, const fs::path
        "give the photos of this coupon, or the folder of that one");
 }
 
-// A session, or a plain folder of photos.
+// Reads a session, or makes one of a plain folder of photos.
 Session session_of(const fs::path& photos, const fs::path& board_file, const fs::path& folder, const Coupon& coupon,
                    const Board& board, const Progress& progress) {
   if (photos.extension() == ".json") {
@@ -181,7 +181,7 @@ Session session_of(const fs::path& photos, const fs::path& board_file, const fs:
   std::string first;
   for (const Finding& finding : captured.findings) {
     if (finding.severity == Finding::Severity::error && first.empty()) first = sentence(finding);
-    // What it says of the whole session is about boards, which need more photos than a coupon.
+    // Findings about the whole session concern boards, which need more photos than a coupon.
     if (finding.severity != Finding::Severity::error && !finding.file.empty()) note(finding);
   }
   if (captured.written.empty()) {
@@ -238,7 +238,7 @@ void print_reading(const Coupon& coupon, const CouponReading& r) {
         100 * r.travel.share, 100 * r.travel.sigma, r.travel.towards_deg, r.travel.towards_sigma_deg);
 }
 
-// What is kept in the machine's file.
+// Returns the values for the machine's file.
 MachineMeasured measured_of(const Coupon& coupon, const CouponReading& r, const Board& board, const Scratches& told) {
   MachineMeasured out;
   out.coupon = coupon.number;

@@ -34,7 +34,7 @@
 namespace burin {
 namespace {
 
-// All views side by side, targets below: one picture that is refreshed while the work runs.
+// All views side by side above their targets, as one picture that is updated during the work.
 class LivePreview {
  public:
   LivePreview(std::filesystem::path file, double every_s) : file_(std::move(file)), every_s_(every_s) {}
@@ -56,8 +56,8 @@ class LivePreview {
   bool shown_ = false;
 };
 
-// When the mean of the views first reached each whole number of dB, and when the first look was: of the grooves as they
-// will be carved, as the table counts them.
+// Times at which the views' mean first reached each whole number of dB, and time of the first evaluation. Evaluates
+// grooves as they will be carved, like the table.
 class QualityOverTime {
  public:
   void add(const DesignFrame& frame) {
@@ -67,9 +67,9 @@ class QualityOverTime {
       reached_.push_back({next, frame.seconds});
     last_db_ = *frame.psnr_db;
   }
-  /// "23.1 dB after 1.4 s, 24 after 2.0, ..."; empty where nobody looked. What the finished design does not keep is
-  /// left out. Under the light of a room pictures are worked on darker or brighter than they are shown best: where the
-  /// end is by more than half a dB above what was seen, that is said.
+  /// "23.1 dB after 1.4 s, 24 after 2.0, ..."; empty without evaluations. Omits levels above the finished design's and
+  /// far below it. With ambient light, exposures during the work differ from the best ones. If the end exceeds the last
+  /// evaluation by more than half a dB, the line adds this.
   std::string line(double end_db) const {
     constexpr double kAlike = 0.5, kLast = 10;  // dB
     std::string line;
@@ -100,7 +100,7 @@ struct DesignArguments {
   double depth_um = 0;  // of the grooves; 0: the bench's
 };
 
-// The options that a design which goes on needs again, to be pasted.
+// Options to repeat in a command that continues a design.
 std::string said_again(const DesignArguments& o) {
   std::string line;
   if (!o.bench.empty()) line += " --bench " + shell_word(o.bench.string());
@@ -111,8 +111,8 @@ std::string said_again(const DesignArguments& o) {
   return line;
 }
 
-// A disk that is full at the end is no reason to lose hours: where the whole result cannot be written, the scratches
-// may still find room beside it, under a name that is no result's.
+// A full disk at the end must not lose hours of work. If the whole result cannot be written, the scratches alone may
+// still fit, under a name that no result uses.
 void write_or_keep(const DesignResult& result, const DesignSpec& spec, const Board& board, const Bench& bench,
                    const DesignArguments& o) {
   const std::filesystem::path kept = o.out / "scratches-kept.csv";
@@ -133,14 +133,14 @@ void write_or_keep(const DesignResult& result, const DesignSpec& spec, const Boa
   }
 }
 
-// What rows leave to the bench they carry themselves from now on.
+// Rows without a depth get the bench's, so that they carry it themselves.
 void give_depth(double depth_um, Scratches& rows) {
   if (rows.depth_um.empty()) rows.depth_um.assign(rows.size(), depth_um);
 }
 
 int longer_side(const Image& image) { return std::max(image.width, image.height); }
 
-// How good each view is, in the pixels that eyes tell apart and, where that is another number, in the design's.
+// Prints each view's PSNR at the eye's resolution and, if different, at the design's.
 void print_views(const DesignResult& result) {
   const int eye_px = result.eye_px, own_px = longer_side(result.views.front().shown);
   const auto of = [](int px) { return fmt::format("({} px)", px); };
@@ -185,19 +185,19 @@ void run(const DesignArguments& o) {
     options.carve_machine = machine_profile(o.machine);
     options.machine = options.carve_machine.limits;
   }
-  Bench whole = as_known;  // what crosses what shows once all rows are together
+  Bench whole = as_known;  // crossings are known only when all rows are together
   whole.crossings = Crossings::add;
   for (const std::filesystem::path& file : o.carved) {
     Scratches carved = carve(Sent(read_scratches(file)), whole, board).scratches;
     if (o.depth_um > 0) give_depth(as_known.material.depth_um, carved);
     options.carved = joined(options.carved, carved, board.tool_width_um, bench.material.depth_um, bench.material.alpha);
   }
-  if (!o.from.empty()) allow_change_of(o.from);                     // it goes on there
+  if (!o.from.empty()) allow_change_of(o.from);  // the output folder may be the design that continues
   fail_if_input(o.out / "scratches.csv", o.out / "scratches.csv");  // before the work
   const WorkLock lock(o.out, "burin design", WorkLock::Where::new_folders);
 
   ProgressBar bar;
-  std::optional<StopOnSignal> keeps;  // from when there is something to keep
+  std::optional<StopOnSignal> keeps;  // starts with the first result
   options.stop = &StopOnSignal::asked;
   LivePreview live(o.out / "live.png", 2);
   std::string reached;
@@ -212,7 +212,7 @@ void run(const DesignArguments& o) {
   const Progress with_quality = [&](std::string_view stage, double fraction) {
     on_terminal(std::string(stage) + (stage == "designing" ? reached : ""), fraction);
   };
-  std::size_t told = 0;  // findings, before the work began
+  std::size_t told = 0;  // number of findings before the work began
   options.found = [&](const std::vector<Finding>& findings) {
     bar.clear();
     for (const Finding& finding : findings) note(finding);
@@ -221,7 +221,7 @@ void run(const DesignArguments& o) {
   const KeptMemory kept;
   DesignResult result = design(spec, board, bench, options, with_quality);
   if (o.depth_um > 0) give_depth(o.depth_um, result.scratches);
-  result.stopped_early = result.stopped_early || StopOnSignal::asked();  // wherever it was when it was asked
+  result.stopped_early = result.stopped_early || StopOnSignal::asked();  // at any point of the request
   write_or_keep(result, spec, board, bench, o);
   bar.clear();
 
@@ -261,7 +261,7 @@ void run(const DesignArguments& o) {
              shell_word((o.out / "board.gcode").string()));
 }
 
-// Those of the options from `first` on that are seldom needed stand below the others in the help.
+// Lists the rarely used options from index `first` on below the others in the help.
 void set_seldom_ones_apart(CLI::App& command, std::size_t first) {
   const std::set<std::string> often{"--scratches", "--time", "--pixels", "--carve-hours", "--from"};
   const std::vector<CLI::Option*> all = command.get_options();

@@ -38,7 +38,7 @@ std::pair<int, int> pair_of(const std::string& text, const std::string& option) 
   throw CLI::ValidationError(option, "\"" + text + "\" is not of the form 9x6");
 }
 
-// Every corner where it was seen, from blue (no residual) to red (three times the RMS and more).
+// Draws every corner at its place in the photo, from blue (no residual) to red (three times the RMS and more).
 Image coverage_picture(const std::vector<TargetView>& views, const LensSolution& solution) {
   constexpr int kWidth = 800;
   const double scale = static_cast<double>(kWidth) / solution.lens.width;
@@ -61,7 +61,7 @@ Image coverage_picture(const std::vector<TargetView>& views, const LensSolution&
   return picture;
 }
 
-// Of 4 x 3 parts of the frame, how many hold a corner.
+// Counts the parts of the frame, divided into 4 x 3, with a corner.
 int parts_covered(const std::vector<TargetView>& views, int width, int height) {
   std::array<bool, 12> seen{};
   for (const TargetView& view : views)
@@ -92,7 +92,7 @@ ChessboardViews read_views(const LensArguments& options, const Chessboard& board
   return read_corners(options.input, board, width, height);
 }
 
-// A photo that contradicts the others by far is no photo of this board, or was moved: the lens is solved without it.
+// Solves the lens without outlier photos. They show another board, or the camera moved.
 LensSolution solve_without_strays(ChessboardViews& found, const Chessboard& board, const LensSolverOptions& solver) {
   constexpr double kFarFactor = 5, kFar_px = 2;
   while (true) {
@@ -129,7 +129,7 @@ void run(const LensArguments& options) {
   std::tie(board.columns, board.rows) = pair_of(options.chessboard, "--chessboard");
   board.square_mm = options.square_mm;
   ChessboardViews found = read_views(options, board);
-  for (const Finding& finding : found.findings) note(finding);  // first: why too few photos are left
+  for (const Finding& finding : found.findings) note(finding);  // first: they explain why too few photos remain
   found.findings.clear();
   LensSolverOptions solver;
   solver.model = options.model;

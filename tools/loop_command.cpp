@@ -1,5 +1,5 @@
-// burin loop - pictures to scratches, photographs of the carved board to a measured bench, and a better board from it.
-// The work is in tools/loop: stages.h says what there is in a project, turn.h how it is turned on.
+// burin loop - designs scratches for pictures, measures the bench from photos of the carved board, and designs a better
+// board. The work is in tools/loop: stages.h describes a project, turn.h runs it.
 #include <unistd.h>
 
 #include <filesystem>
@@ -31,7 +31,7 @@ struct LoopArguments {
   std::vector<std::string> views, lamps;
 };
 
-// How far the machine goes, once: where nobody is there to answer, the tool path has a note that asks for it.
+// Asks once for the machine's reach. Without a user at the terminal, the tool path has a note about it.
 void ask_for_travel(LoopProject& loop, LoopCommandLine& said) {
   const MachineProfile machine = machine_of(loop.options, loop.project.folder);
   const bool person = isatty(STDIN_FILENO) != 0 && isatty(STDOUT_FILENO) != 0;
@@ -55,12 +55,12 @@ void run(LoopArguments o) {
            "see samples/small-bench for a complete project");
   require_own_files(o.project);
   const WorkLock lock(o.project.folder, "burin loop");
-  // A round that is a link out of the project is refused, before anything in it is moved aside.
+  // Refuses a round that is a link out of the project, before any file moves.
   for (int round = 1; round <= o.project.rounds(); ++round) make_output_folder(o.project.round(round));
   remember_names(o.project, o.views, o.lamps);
-  if (!o.said.machine.empty()) machine_profile(o.said.machine);  // refused before it is kept
+  if (!o.said.machine.empty()) machine_profile(o.said.machine);  // refused before it is stored
   LoopProject loop{o.project, remember_options(o.said, o.project.folder)};
-  ask_for_travel(loop, o.said);  // and the machine is refused before what is there is moved aside
+  ask_for_travel(loop, o.said);  // and refuses the machine before any file moves
   turn_loop(loop, o.answers);
 }
 

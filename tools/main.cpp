@@ -1,4 +1,4 @@
-// The burin program: subcommands over the libraries. How a command is made stands in tools/commands.h.
+// The burin program: subcommands over the libraries. tools/commands.h describes the form of a command.
 #include <unistd.h>
 
 #include <exception>
@@ -11,7 +11,7 @@
 #ifdef __GLIBC__
 namespace {
 
-// Libraries of OpenImageIO begin threads while they are loaded, before main() could catch what that throws.
+// Libraries of OpenImageIO start threads during loading, before main() could catch their exceptions.
 [[noreturn]] void end_before_main() {
   std::string_view words = "burin: a library could not be loaded; this is a fault in Burin, please report it\n";
   try {
@@ -30,7 +30,7 @@ namespace {
 
 void catch_before_main(int, char**, char**) { std::set_terminate(end_before_main); }
 
-// Called before the initializers of all libraries.
+// Runs before the initializers of all libraries.
 __attribute__((section(".preinit_array"), used)) void (*const kCatchBeforeMain)(int, char**,
                                                                                 char**) = catch_before_main;
 

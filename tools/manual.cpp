@@ -8,7 +8,7 @@
 namespace burin {
 namespace {
 
-// Text as roff takes it: backslashes and hyphens that are to be pasted, and lines that begin with a control character.
+// Escapes text for roff: backslashes, hyphens in text to paste, and lines that start with a control character.
 std::string roff(std::string_view text) {
   std::string out;
   bool line_begins = true;
@@ -39,7 +39,7 @@ std::string options_of(const CLI::App& app) {
   return out;
 }
 
-// The lines of an example stand as they are.
+// Keeps the lines of an example unchanged.
 std::string examples_of(const std::string& footer) {
   const std::string_view head = "Example:\n";
   const std::string lines = footer.starts_with(head) ? footer.substr(head.size()) : footer;

@@ -23,7 +23,7 @@ Eigen::Vector3d middle_of(const Board& board) {
   return {middle.x(), middle.y(), 0};
 }
 
-// What counts as the same place, in each direction.
+// Reach of a match in each direction.
 struct Reach {
   double sideways_mm, up_mm, along_mm;
 };
@@ -35,7 +35,7 @@ Reach reach_of(const PlaceTolerance& t, double distance_mm) {
 
 MoveRange both_ways(double mm) { return {mm, mm}; }
 
-// The smaller of two: where several pictures are seen from one place, or under one lamp.
+// Returns the smaller of two tolerances: several pictures may share a viewpoint or a lamp.
 PlaceTolerance smaller(const PlaceTolerance& a, const PlaceTolerance& b) {
   const auto least = [](const MoveRange& x, const MoveRange& y) { return both_ways(std::min(x.least(), y.least())); };
   return {least(a.sideways, b.sideways), least(a.up, b.up), least(a.depth, b.depth)};
@@ -57,7 +57,7 @@ PlaceTolerance read_place(JsonObject json) {
   return out;
 }
 
-// Sorts one measured place among the candidates.
+// Adds one measured place to the candidates.
 void sort_in(Match& match, const std::string& name, const Offset& offset) {
   auto& list = offset.reaches <= 1 ? match.near : match.other;
   list.push_back({name, offset});
@@ -78,7 +78,7 @@ void decide(Match& match, const std::map<std::string, std::string>& given, bool 
   }
 }
 
-// Two designed places cannot be one photo's, unless a person says so.
+// Clears matches of one photo to two designed places, unless the user gave them.
 void undo_shared(std::vector<Match>& matches) {
   std::map<std::string, int> times;
   for (const Match& match : matches) ++times[match.measured];
@@ -113,7 +113,7 @@ bool has_far_light(const Bench& bench) {
   return std::any_of(bench.lights.begin(), bench.lights.end(), [](const Light& light) { return !light.is_near(); });
 }
 
-// Photos measure lamps: a measured bench without sun and surroundings says nothing of where they are.
+// Photos measure lamps only: a measured bench without sun and surroundings does not contradict theirs.
 std::vector<DesignedLamp> lamps_to_match(const DesignSpec& design, const Bench& designed, const Bench& measured,
                                          const Board& board, const std::vector<MatchTolerance>& tolerances) {
   std::vector<DesignedLamp> lamps = designed_lamps(design, designed, board, tolerances);
@@ -126,7 +126,7 @@ std::vector<DesignedLamp> lamps_to_match(const DesignSpec& design, const Bench& 
   return lamps;
 }
 
-// Those of the design's lights that were not to be matched, as it has them.
+// Adds the design's lights that need no match, unchanged.
 void add_far_lights(const DesignSpec& design, const Bench& designed, Matching& matching) {
   for (const DesignView& view : design.views)
     for (const std::string& id : light_names(view.light)) {
@@ -140,8 +140,8 @@ void add_far_lights(const DesignSpec& design, const Bench& designed, Matching& m
     }
 }
 
-// New names for `items`: those of the matches, and what is left keeps its own unless that is taken. An item that
-// several designed places were given is there once for each.
+// Renames `items`: matched ones get designed names, and others keep theirs unless it is taken. An item with several
+// matches is duplicated.
 template <typename Item, typename NameOf>
 std::vector<std::pair<std::string, std::string>> rename(std::vector<Item>& items, NameOf name_of,
                                                         const std::vector<Match>& matches) {
@@ -207,7 +207,7 @@ const Candidate* candidate_named(const Match& match, const std::string& name) {
   return nullptr;
 }
 
-// Of one kind, view or lamp.
+// Words for views or for lamps.
 struct NameKind {
   const char *what, *measured_as, *option, *go_there;
 };
@@ -221,7 +221,7 @@ std::string option_for(const NameKind& kind, const Match& match, const Candidate
   return std::string(kind.option) + " " + shell_word(match.designed + "=" + candidate.name);
 }
 
-// The question about one designed view or lamp.
+// Returns the question about one designed view or lamp.
 std::string question(const NameKind& kind, const Match& match) {
   std::string out = fmt::format("{} \"{}\": ", kind.what, match.designed);
   if (match.near.empty()) {
@@ -249,7 +249,7 @@ std::string question(const NameKind& kind, const Match& match) {
 
 MatchTolerance default_tolerance(const DesignView& picture, const Bench& designed, const Board& board) {
   constexpr double kHalfLight = 0.766;  // (1 + t^2)^(-3/2) = 1/2
-  constexpr double kPicture = 0.35;     // what pictures lose 3 dB at, as a share of that
+  constexpr double kPicture = 0.35;     // share of this distance at which pictures lose 3 dB
   constexpr double kDepthToSideways = 8;
   const Eigen::Vector3d middle = middle_of(board);
   const Eigen::Vector3d eye = eye_of(find_view(designed, picture.view, "design")) - middle;
@@ -279,7 +279,7 @@ std::vector<DesignedLamp> designed_lamps(const DesignSpec& design, const Bench& 
     const std::vector<std::string> ids = light_names(design.views[k].light);
     for (const std::string& id : ids) {
       PlaceTolerance tolerance = tolerances[k].lamp;
-      if (ids.size() > 1)  // what was measured of all moved together, but no more than this one alone
+      if (ids.size() > 1)  // measured for all lamps moving together, but at most this lamp's own tolerance
         tolerance = smaller(tolerance, default_tolerance({design.views[k].view, id, {}, 1}, designed, board).lamp);
       const auto known = std::find_if(out.begin(), out.end(), [&](const DesignedLamp& lamp) { return lamp.id == id; });
       if (known == out.end())
@@ -293,7 +293,7 @@ std::vector<DesignedLamp> designed_lamps(const DesignSpec& design, const Bench& 
 
 namespace {
 
-// The measured tolerances of a design's report instead of the usual ones, as `choose` takes one of both.
+// Combines measured tolerances of a design's report with the default ones by `choose`.
 template <typename Choose>
 std::vector<MatchTolerance> tolerances_of(const DesignSpec& design, const Bench& designed, const Board& board,
                                           const std::filesystem::path& design_report, const Choose& choose) {
@@ -319,7 +319,7 @@ std::vector<MatchTolerance> tolerances_of(const DesignSpec& design, const Bench&
 
 std::vector<MatchTolerance> match_tolerances(const DesignSpec& design, const Bench& designed, const Board& board,
                                              const std::filesystem::path& design_report) {
-  // A coarse picture tolerates much: no reason to take a far place for the designed one.
+  // A coarse picture has a large tolerance, which does not make a distant place the designed one.
   return tolerances_of(
       design, designed, board, design_report,
       [](const PlaceTolerance& usual, const PlaceTolerance& measured) { return smaller(usual, measured); });
@@ -337,7 +337,7 @@ Offset offset_of(const Eigen::Vector3d& designed_mm, const Eigen::Vector3d& meas
   const Eigen::Vector3d away = from.normalized(), level = Eigen::Vector3d::UnitZ().cross(away);
   const Eigen::Vector3d right = level.norm() > 1e-6 ? level.normalized() : Eigen::Vector3d::UnitX();
   Offset out;
-  // Sideways and up at the designed distance: a place further along the same line of sight is not aside of it.
+  // Sideways and up at the designed distance: moving along the same line of sight changes neither.
   const double along = to.dot(away), scale = along > 0 ? from.norm() / along : 1;
   out.sideways_mm = scale * to.dot(right);
   out.up_mm = scale * to.dot(away.cross(right));

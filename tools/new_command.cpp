@@ -1,5 +1,5 @@
-// burin new - a project from pictures: board with tags, bench, design, and a preview in seconds. What was not said is
-// usual, or asked at a terminal. The work is in tools/new.
+// burin new - makes a project from pictures: board with tags, bench, design, and a preview in seconds. Missing values
+// have defaults, or are asked for at a terminal. The work is in tools/new.
 #include <unistd.h>
 
 #include <CLI/Error.hpp>
@@ -38,7 +38,7 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kMostPictures = 9;
 
-// As on the command line; what is empty was not said.
+// From the command line; empty: not given.
 struct NewArguments {
   std::string folder, board, camera, lamp, stand, machine;
   std::vector<std::string> pictures, fit, keep;
@@ -48,7 +48,7 @@ struct NewArguments {
 constexpr const char *kUsualFolder = "my-board", *kUsualBoard = "200x150", *kUsualCamera = "phone",
                      *kUsualLamp = "above", *kStand = "four times the board's diagonal", *kMachine = "grbl-spring";
 
-// The first pictures of the working directory, as the usual answer.
+// Returns the first pictures of the working directory, as the default answer.
 std::string pictures_here() {
   std::vector<std::string> found;
   std::error_code error;
@@ -69,7 +69,7 @@ double stand_of(const std::string& text) {
   return text.empty() || text == kStand ? 0 : length_in_words(text, "how far away one stands");
 }
 
-// The sheet in words. A bare 6x4 is mm, and hardly meant.
+// Parses the sheet's size. A bare 6x4 would be in mm, and is probably a mistake.
 Eigen::Vector2d board_size(const std::string& text) {
   const Eigen::Vector2d mm = size_in_words(text, "board");
   try {
@@ -86,7 +86,7 @@ Eigen::Vector2d board_size(const std::string& text) {
   return mm;
 }
 
-// What of it can be used is decided question by question; everything else is said or usual.
+// Each question validates its own value; all other values are given or default.
 void ask_what_is_missing(NewArguments& o, Conversation& talk) {
   std::vector<Question> questions;
   const auto question = [&](std::string& value, const std::string& words, const char* usual,
@@ -122,7 +122,7 @@ void ask_what_is_missing(NewArguments& o, Conversation& talk) {
   for (std::string* file : {&o.folder, &o.camera, &o.machine}) *file = file_in_words(*file);
 }
 
-// --fit and --keep: one for all pictures, or one for each.
+// --fit and --keep: one value for all pictures, or one for each.
 const std::string* said_for(const std::vector<std::string>& list, std::size_t index) {
   if (list.empty()) return nullptr;
   return &list[list.size() == 1 ? 0 : index];
@@ -133,7 +133,7 @@ void fail_unless_one_each(const std::vector<std::string>& list, const char* opti
     throw CLI::ValidationError(option, fmt::format("takes one word for all pictures, or {}, one for each", pictures));
 }
 
-// The sheet of crops where a person can look at it before there is a project; gone when this is.
+// A temporary sheet of crops for the user before the project exists; the destructor removes it.
 class SheetToLookAt {
  public:
   SheetToLookAt(const std::vector<ChosenPicture>& pictures, const Eigen::Vector2d& area_mm)
@@ -149,7 +149,7 @@ class SheetToLookAt {
   fs::path file() const { return folder_ / "crops.png"; }
 
  private:
-  // Of a name that nobody can foresee, and ours alone: everybody may lay links into the folder for such files.
+  // The name is unpredictable and its folder is private, because anyone could put links into the common folder.
   static fs::path new_folder() {
     std::string name = (fs::temp_directory_path() / "burin-XXXXXX").string();
     if (::mkdtemp(name.data()) == nullptr) fail_with(name, "the folder cannot be made", errno);
@@ -183,7 +183,7 @@ void lay_pictures(const NewArguments& o, Conversation* talk, const Eigen::Vector
   }
 }
 
-// What a person said in units of his own stands before what it comes to in mm.
+// Returns a value in the user's own units, as a prefix to the value in mm.
 std::string as_said(const std::string& words) {
   for (const char* unit : {"in", "\"", "ft", "'", "cm"})
     if (words.find(unit) != std::string::npos) return words + ", that is ";
@@ -229,7 +229,7 @@ void print_project(const NewArguments& o, const NewProject& project, const Eigen
   if (!usual.empty()) print_text("Not said, so taken: {}\n", usual);
 }
 
-// Grooves for each picture: what a picture of this size on the board can use, and a day's carving at most.
+// Number of grooves per picture that this size can use, limited to one day's carving.
 int usual_scratches(std::size_t pictures) {
   constexpr int kEach = 4000, kMost = 24000;
   return std::min(kMost, kEach * static_cast<int>(pictures));
@@ -265,7 +265,7 @@ void run(NewArguments o) {
   project.camera = wanted.camera;
   project.bench = lay_out(wanted);
   const Board& board = project.bench.board;
-  plunge_mm(machine, board.material.depth_um / 1000);  // throws where the machine's table ends before that depth
+  plunge_mm(machine, board.material.depth_um / 1000);  // throws if the depth is outside the machine's table
   project.scratches = o.scratches > 0 ? o.scratches : usual_scratches(project.pictures.size());
   const Eigen::Vector2d area_mm = board.carve_max_mm - board.carve_min_mm;
   lay_pictures(o, person ? &talk : nullptr, area_mm, project.pictures);

@@ -21,7 +21,7 @@
 namespace burin {
 namespace {
 
-// Where standard output and standard error really are, for a thread that ends the process meanwhile.
+// The real standard output and error, for a thread that ends the process.
 std::atomic<int> real_descriptors[] = {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO};
 
 void write_whole(int descriptor, std::string_view text) {
@@ -32,7 +32,7 @@ void write_whole(int descriptor, std::string_view text) {
   }
 }
 
-// What goes to a file descriptor goes to a nameless file instead, until it is given back.
+// Redirects a file descriptor to an unnamed file until its restoration.
 class Caught {
  public:
   Caught(std::FILE* stream, int descriptor)
@@ -47,7 +47,7 @@ class Caught {
   Caught(const Caught&) = delete;
   Caught& operator=(const Caught&) = delete;
 
-  /// What was said; the descriptor is as before.
+  /// Restores the descriptor and returns the captured text.
   std::string text() {
     give_back();
     std::rewind(file_.get());
@@ -148,7 +148,7 @@ void say_at_the_end(OutputMode mode, const std::vector<std::string>& arguments, 
     write_whole(real_descriptors[STDOUT_FILENO], json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
     return;
   }
-  if (isatty(err) == 1) write_whole(err, "\r\x1b[K");  // a progress bar
+  if (isatty(err) == 1) write_whole(err, "\r\x1b[K");  // clears a progress bar
   write_whole(err, "burin: " + sentence + "\n");
 }
 

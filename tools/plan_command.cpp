@@ -32,7 +32,7 @@
 namespace burin {
 namespace {
 
-// The depth is a guess before the first photos: what comes of the plan where it is another one.
+// Before the first photos, the depth is an assumption: prints the plan's results for other depths.
 void print_depths(const Plan& plan) {
   const auto at = [&](const std::string& name) {
     return static_cast<std::size_t>(std::find_if(plan.parameters.begin(), plan.parameters.end(),
@@ -67,7 +67,7 @@ void print_plan(const Plan& plan, const Board& board) {
     print_text("{:3}. {}{}\n     {}\n", i + 1, shot.view.empty() ? "" : "view \"" + shot.view + "\" of the design: ",
                place_in_words(shot.camera, board), exposures_in_words(plan, shot));
   }
-  // Sigmas by shot: a column a number of shots, at most six.
+  // Sigmas by number of shots: at most six columns.
   std::vector<std::size_t> columns;
   for (const double share : {0., 0.1, 0.25, 0.5, 0.75, 1.})
     columns.push_back(static_cast<std::size_t>(std::lround(share * static_cast<double>(plan.shots.size() - 1))));
@@ -86,8 +86,8 @@ void print_plan(const Plan& plan, const Board& board) {
   print_depths(plan);
 }
 
-// What a plan is made for where nobody gave a bench: a 50 mm lens on 24 x 36 mm with 6000 x 4000 pixels, and a lamp one
-// and a half times the board's diagonal away, beyond its upper edge.
+// Default bench of a plan: a 50 mm lens on 24 x 36 mm with 6000 x 4000 pixels. Its lamp is beyond the upper edge, one
+// and a half board diagonals away.
 Bench usual_bench(const Board& board) {
   Bench bench;
   constexpr int kWidth = 6000, kHeight = 4000;
@@ -104,7 +104,7 @@ Bench usual_bench(const Board& board) {
   return bench;
 }
 
-// The lamps that were given, instead of the bench's.
+// Replaces the bench's lamps by the given ones.
 void put_lamps(const std::vector<std::vector<double>>& places, const Board& board, Bench& bench) {
   const Light usual = bench.lights.empty() ? Light{} : bench.lights.front();
   bench.lights.clear();
@@ -120,13 +120,13 @@ void put_lamps(const std::vector<std::vector<double>>& places, const Board& boar
   }
 }
 
-// What a plan is made for.
+// Inputs of a plan.
 struct Inputs {
   Board board;
   Bench bench;
   std::filesystem::path board_file, bench_file, scratches;
   std::vector<DesignedPlace> designed;
-  std::vector<Finding> lamps;  // how those of a design in color stand
+  std::vector<Finding> lamps;  // notes on the lamps of a design in color
   bool is_project = false;
 };
 
@@ -182,7 +182,7 @@ struct PlanArguments {
 void run(const PlanArguments& arguments) {
   std::optional<WorkLock> lock;
   if (!arguments.out.empty()) lock.emplace(arguments.out, "burin plan", WorkLock::Where::new_folders);
-  // A project's board.json that is given alone stands for the project: that knows the bench.
+  // A project's board.json alone stands for the project, which knows the bench.
   const std::optional<PlaceInProject> own = project_of(arguments.board);
   const bool is_board = arguments.board.filename() == "board.json" && own && arguments.design.empty();
   const std::filesystem::path folder = is_board ? own->project.folder : project_folder(arguments.board, "BOARD.json");

@@ -20,7 +20,7 @@ constexpr const char* kSoft = "#6e7781";
 constexpr const char* kLampColor = "#bf8700";
 constexpr const char* kCameraColor = "#0969da";
 
-// One of the two views: millimeters (right, up) to the page.
+// One of the two projections: mm (right, up) to the page.
 struct PlanFrame {
   Eigen::Vector2d low, high;  // mm
   double scale = 1, top = 0;
@@ -50,7 +50,7 @@ std::string star(const Eigen::Vector2d& c, double radius) {
   return svg_polygon(points, fmt::format("fill=\"{}\"", kLampColor));
 }
 
-// A length of 1, 2 or 5 times a power of ten, about a sixth of the page.
+// Returns a length of 1, 2 or 5 times a power of ten, about a sixth of the page.
 double ruler_mm(double scale) {
   const double wanted = kPage / 6 / scale, power = std::pow(10, std::floor(std::log10(wanted)));
   return power * (wanted > 5 * power ? 5 : wanted > 2 * power ? 2 : 1);
@@ -97,7 +97,7 @@ std::string plan_drawing(const Plan& plan, const Board& board) {
   }
   svg += line(side.at({0, 0}), side.at({board.size_mm.x(), 0}), kInk, 5, false);
 
-  // Lamps, then cameras: number, line of sight; dashed where the camera is on its side.
+  // Lamps, then cameras: number, line of sight; dashed for a camera on its side.
   const auto both = [&](const Eigen::Vector3d& p) {
     return std::array<Eigen::Vector2d, 2>{above.at(p.head<2>()), side.at({p.x(), p.z()})};
   };

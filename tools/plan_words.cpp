@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kPlannedPaper = 0.6, kPlannedAperture = 8;
 
-// A number at the start of `text`, which is then cut off it; false if there is none.
+// Removes a number from the start of `text`; returns false if there is none.
 bool take_number(std::string_view& text, double& value) {
   const auto read = std::from_chars(text.data(), text.data() + text.size(), value);
   if (read.ec != std::errc() || !(value > 0)) return false;
@@ -56,7 +56,7 @@ FocusRange read_focus_range(const std::string& text) {
 std::vector<DesignedPlace> designed_places(const DesignSpec& design, const Bench& bench) {
   std::vector<DesignedPlace> places;
   for (const DesignView& v : design.views)
-    for (const std::string& light : photographed_lamps(v, bench))  // a photo under each
+    for (const std::string& light : photographed_lamps(v, bench))  // one photo per lamp
       places.push_back({v.view, find_view(bench, v.view, "the design").T_camera_board.inverse().translation(), light});
   return places;
 }
@@ -68,7 +68,7 @@ PlanFocus plan_focus(const Board& board, const Bench& bench, const std::vector<D
   if (!range.empty()) {
     out.range = read_focus_range(range);
     out.given = true;
-    // Both ends are equally soft with the focus in the middle of 1/d.
+    // With the focus in the middle of 1/d, both ends have the same blur.
     if (!(focus_mm > 0)) out.distance_mm = 2 / (1 / out.range.near_mm + 1 / out.range.far_mm);
     if (!out.range.holds(out.distance_mm))
       fail("--focus-mm", fmt::format("{:g} mm lies outside of --focus-range {}", focus_mm, range),

@@ -26,7 +26,7 @@ struct PrintArguments {
   bool no_template = false, no_chessboard = false;
 };
 
-// The folder's name; of board.json the folder that it lies in.
+// Returns the name of the board's folder.
 std::string name_of(const fs::path& board) {
   const fs::path folder = fs::absolute(board).lexically_normal().parent_path();
   return folder.filename().empty() ? "burin" : folder.filename().string();
@@ -50,7 +50,7 @@ void run(PrintArguments options) {
   setup.paper = find_paper(options.paper.value_or(usual.name));
   setup.across_mm = options.across_mm;
   setup.upright_mm = options.upright_mm.value_or(options.across_mm);
-  constexpr double kName_mm = 80;  // of a page's title, whose end says which page it is
+  constexpr double kName_mm = 80;  // of a page's title, which ends with the page's number
   setup.name = shortened(name_of(file), 4.2, kName_mm, true);
   require_good(setup);
 

@@ -1,5 +1,5 @@
-// burin probe - the face as it lies on the machine: G-code that touches it, and what the controller said as a height
-// map. The work is in burin/optimize/toolpath/probe.h.
+// burin probe - measures the sheet's face on the machine: writes G-code that touches it, and converts the controller's
+// answers to a height map. The work is in burin/optimize/toolpath/probe.h.
 #include <algorithm>
 #include <filesystem>
 #include <memory>

@@ -1,4 +1,4 @@
-// burin probe light - a room as it is: photos of a mirror ball on the board become surroundings. The work is in
+// burin probe light - measures a room: photos of a mirror ball on the board become an environment map. The work is in
 // burin/calib/light_probe.h.
 #include "tools/probe_light_command.h"
 
@@ -35,7 +35,7 @@ struct ProbeLightArguments {
   int width = 0;
 };
 
-// A session as it is written, or plain photos put in order; with the lens that EXIF tells.
+// Reads a session, or makes one of plain photos, with the lens in EXIF.
 Session session_of(const ProbeLightArguments& options, const Board& board, std::optional<Lens>& by_exif,
                    const Progress& progress) {
   if (options.photos.size() == 1 && lower_extension(options.photos.front()) == ".json")
@@ -52,7 +52,7 @@ Session session_of(const ProbeLightArguments& options, const Board& board, std::
   return std::move(folder.session);
 }
 
-// For a person: bright parts held back, what is not known striped.
+// Tone-mapped picture for people, with unknown parts striped.
 Image to_look_at(const LightProbe& probe) {
   const Image& radiance = probe.radiance;
   std::vector<float> light;
@@ -71,7 +71,7 @@ Image to_look_at(const LightProbe& probe) {
   return picture;
 }
 
-// White: seen; red: clipped; orange: past the photographer only; black: filled.
+// White: seen; red: clipped; orange: seen only past the photographer; black: filled.
 Image seen_picture(const LightProbe& probe) {
   Image picture(probe.radiance.width, probe.radiance.height, 3);
   for (std::size_t i = 0; i < probe.seen.size(); ++i) {

@@ -15,8 +15,8 @@ namespace burin {
 namespace {
 
 constexpr double kQuietSeconds = 2;     // shorter work needs no bar
-constexpr double kRedrawSeconds = 0.1;  // faster than this nobody reads
-constexpr double kGuessFrom = 0.05;     // below this fraction the time left is noise
+constexpr double kRedrawSeconds = 0.1;  // shorter intervals are unreadable
+constexpr double kGuessFrom = 0.05;     // below this fraction the remaining time is noise
 constexpr int kBarCharacters = 20;
 
 double seconds_between(std::chrono::steady_clock::time_point from, std::chrono::steady_clock::time_point to) {
@@ -58,7 +58,7 @@ void ProgressBar::show(std::string_view stage, double fraction) {
   if (!on_terminal_) return;
   const auto now = Clock::now();
   const std::lock_guard lock(mutex_);
-  // "designing: d0 12, d1 9": what stands after the colon may change while the stage goes on.
+  // "designing: d0 12, d1 9": the text behind the colon may change during a stage.
   if (const std::string_view name = stage.substr(0, stage.find(':')); name != stage_) {
     stage_ = name;
     stage_start_ = now;
@@ -71,7 +71,7 @@ void ProgressBar::show(std::string_view stage, double fraction) {
   }
   if (!drawer_.joinable() && !has_no_thread_) try {
       drawer_ = std::thread([this] { draw_when_due(); });
-    } catch (const std::system_error&) {  // the system gives none: the line is drawn when there is something new
+    } catch (const std::system_error&) {  // no thread: the next report draws the line
       has_no_thread_ = true;
     }
   if (!std::exchange(waiting_, true)) changed_.notify_one();
@@ -85,7 +85,7 @@ void ProgressBar::clear() {
   drawn_ = false;
 }
 
-// When the line may be drawn next.
+// Returns the earliest time of the next drawing.
 ProgressBar::Clock::time_point ProgressBar::due() const {
   const auto after = [](Clock::time_point from, double seconds) {
     return from + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(seconds));
@@ -102,7 +102,7 @@ void ProgressBar::draw() {
   waiting_ = false;
 }
 
-// Draws what was said last, if nothing else is said until then.
+// Draws the latest report, unless another one arrives in time.
 void ProgressBar::draw_when_due() {
   std::unique_lock lock(mutex_);
   while (!over_) {

@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// "round-07" is 7; 0: the name is no round's.
+// "round-07" is 7; 0: no round's name.
 int number_of_round(const fs::path& name) {
   constexpr std::string_view kRound = "round-";
   const std::string text = name.string();
@@ -34,7 +34,7 @@ bool holds_project(const fs::path& folder) {
   return number_of_round(folder.filename()) == 0;  // a round holds the same files
 }
 
-// The nearest project above a path from the root, and which of its folders leads to the path.
+// Returns the nearest project above a path, and the number of its round that contains the path.
 std::optional<PlaceInProject> project_above(fs::path at) {
   if (!at.has_filename()) at = at.parent_path();  // "round-01/"
   for (fs::path below;; below = at, at = at.parent_path()) {
@@ -77,7 +77,7 @@ std::filesystem::path Project::heights(int number) const {
 std::optional<int> Project::pixels(int number) const {
   const std::filesystem::path file = round(number) / "design" / "design-report.json";
   if (!std::filesystem::exists(file)) return std::nullopt;
-  // Broken ones are told of by those who need more of them.
+  // Readers of more fields report a broken file.
   const Json report = Json::parse(read_bytes(file, limit::kJsonBytes, "a JSON file"), nullptr, false);
   if (!report.is_object() || !report.contains("pixels")) return std::nullopt;
   const Json& pixels = report["pixels"];

@@ -77,7 +77,7 @@ void take_from_project(const CLI::App& command, const ProjectSettings& settings,
   take("f-number", settings.f_number, into.f_number, general(settings.f_number, 3));
   if (words.empty()) return;
   const fs::path& folder = settings.at.project.folder;
-  const bool dots = folder.string().starts_with('.');  // "." and ".." name nothing
+  const bool dots = folder.string().starts_with('.');  // "." and ".." are no names
   note("from the project " + (dots ? fs::weakly_canonical(folder) : folder).string() + ": " + words);
 }
 

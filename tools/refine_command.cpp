@@ -22,14 +22,14 @@
 namespace burin {
 namespace {
 
-// "0.0800 +- 0.0003", or with the reason why it is not known.
+// "0.0800 +- 0.0003", or the reason for an unknown value.
 std::string measured(const Bench& bench, const std::string& name, double value, const std::optional<double>& sigma,
                      int digits, const std::string& unit = "") {
   const Verdict* verdict = find_verdict(bench, name);
   if (verdict == nullptr) return fmt::format("{:.{}f}{}, not fitted", value, digits, unit);
   if (!sigma || !verdict->known())
     return fmt::format("not determined ({:.{}f}{}): {}", value, digits, unit, sentence(*verdict));
-  // Both as far as the sigma has two digits that count.
+  // Value and sigma have as many digits as two significant digits of the sigma need.
   const int both = *sigma > 0 ? std::max(digits, 1 - static_cast<int>(std::floor(std::log10(*sigma)))) : digits;
   const std::string known = fmt::format("{:.{}f} +- {:.{}f}{}", value, both, *sigma, both, unit);
   return verdict->determined() ? known : fmt::format("{}, only weakly: {}", known, sentence(*verdict));
@@ -55,7 +55,7 @@ void print_panel(const LampSize& size) {
     print_text("; a panel of {:.0f} x {:.0f} mm, as told,", size.panel_mm.x(), size.panel_mm.y());
 }
 
-// A screen has room for so many; the report has all.
+// A screen has room for a few photos; the report has all.
 void print_photos(std::vector<PhotoFit> photos) {
   constexpr std::size_t kMost = 6;
   const std::size_t all = photos.size();
@@ -69,8 +69,8 @@ void print_photos(std::vector<PhotoFit> photos) {
                100 * photo.residual_rms, photo.residual_to_noise, 100 * photo.outliers);
 }
 
-// From the second round on a loop tells the machine the depth that makes the wanted one: then the grooves are not as
-// deep as those of which the bench's depth is.
+// From the second round on, a loop commands compensated depths. The grooves' depths then differ from the bench's, which
+// belongs to the commanded depth in board.json.
 void print_groove(const Bench& bench, const Board& board, const Scratches& sent) {
   double deepest_um = bench.material.depth_um;
   if (!sent.depth_um.empty()) {
@@ -145,7 +145,7 @@ void print_result(const Refinement& r, const Board& board, const Sent& sent) {
         100 * r.looked_at);
 }
 
-// The bench that a loop's round was calibrated to, for a command that names none and writes elsewhere.
+// Returns the bench of a loop's round, for a command without --bench and with another output.
 std::filesystem::path bench_of_round(const CLI::App& command, const std::filesystem::path& session, bool elsewhere) {
   std::optional<ProjectSettings> settings = settings_around(session);
   if (!settings || settings->at.round == 0) throw CLI::RequiredError("--bench");
@@ -227,7 +227,7 @@ void add_refine_command(CLI::App& burin) {
     }();
     const Refinement result = refine(merged, board, sent, measured, o, bar.progress());
     Bench completed = result.bench;
-    if (!options->out.empty()) completed.camera.clear();  // the lens lies beside it, too
+    if (!options->out.empty()) completed.camera.clear();  // the lens is copied next to it
     FilesTogether all;
     write_bench(completed, board.tool_width_um, options->bench);
     HoldOutFile held;

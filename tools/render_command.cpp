@@ -52,7 +52,7 @@ void run_animation(const RenderArguments& o, const Board& board, const Bench& be
   for (const std::string& name : o.views) views.push_back(find_view(bench, name, "--view"));
   if (o.views.empty())
     for (const View& view : bench.views)
-      views.push_back(find_view(bench, view.name, "--animate"));  // aimed, or what is missing
+      views.push_back(find_view(bench, view.name, "--animate"));  // throws for a missing or unaimed view
   for (const std::string& id : o.lights) lights.push_back(find_light(bench, id, "--light"));
   if (o.lights.empty()) lights = bench.lights;
   AnimateOptions options = o.animate;
@@ -74,8 +74,8 @@ bool is_float_format(const std::filesystem::path& file) {
   return e == ".exr" || e == ".tif" || e == ".tiff";
 }
 
-// A board's folder, or a file of a project: what it knows is taken. Of a round its own scratches, as designed, and the
-// bench as its photos measured it, if they did.
+// Fills options from the project of a board's folder or file. A round supplies its own scratches, as designed, and its
+// measured bench, if there is one.
 void take_board(const CLI::App& command, RenderArguments& o) {
   if (std::optional<ProjectSettings> settings = settings_around(o.board)) {
     if (std::filesystem::is_directory(o.board)) {

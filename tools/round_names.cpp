@@ -28,7 +28,7 @@ Json map_json(const std::map<std::string, std::string>& names) {
   return json;
 }
 
-// `known` with what it lacks of `nominal`.
+// Adds to `known` the missing items of `nominal`.
 template <typename Item, typename SameName>
 void complete_by(std::vector<Item>& known, const std::vector<Item>& nominal, SameName same_name) {
   for (const Item& item : nominal)
@@ -36,7 +36,7 @@ void complete_by(std::vector<Item>& known, const std::vector<Item>& nominal, Sam
       known.push_back(item);
 }
 
-// Under which lamps each view of a round was photographed; nothing where its session is gone.
+// Returns the lamps under which each view of a round was photographed; nothing without its session.
 std::map<std::string, std::set<std::string>> lamps_by_view(const fs::path& round) {
   std::map<std::string, std::set<std::string>> out;
   if (!fs::exists(round / "session.json")) return out;
@@ -44,11 +44,11 @@ std::map<std::string, std::set<std::string>> lamps_by_view(const fs::path& round
   return out;
 }
 
-// Where several measured views lie near a designed one, each under other lamps, they are that one, photographed lamp by
-// lamp by a camera that was put back: the nearest stands for it. By designed names.
+// Several measured views near a designed one, each under other lamps, come from a camera that was put back between
+// lamps. They count as that view, and the nearest represents it. By designed names.
 std::map<std::string, std::string> one_place_by_lamps(const Matching& matching,
                                                       const std::map<std::string, std::set<std::string>>& lamps_of) {
-  std::map<std::string, int> times;  // how many designed views a measured one is near to
+  std::map<std::string, int> times;  // number of designed views near a measured one
   for (const Match& match : matching.views)
     for (const Candidate& candidate : match.near) ++times[candidate.name];
   std::map<std::string, std::string> out;

@@ -57,7 +57,8 @@ std::optional<NextBoard> next_board(const RoundsQuality& rounds) {
   for (std::size_t k = 0; k < now.size(); ++k) {
     const double promised = now[k].promised_db, seen = now[k].photographed_db, then = next[k].promised_db;
     if (!std::isfinite(promised) || !std::isfinite(seen) || !std::isfinite(then)) return std::nullopt;
-    if (std::isfinite(next[k].photographed_db)) return std::nullopt;  // the last board is photographed, none is next
+    // the last board is photographed, so there is no next one
+    if (std::isfinite(next[k].photographed_db)) return std::nullopt;
     out.promised_db += promised / count;
     out.photographed_db += seen / count;
     out.next_db += then / count;

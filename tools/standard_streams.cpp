@@ -16,7 +16,7 @@ namespace burin {
 
 void fill_closed_streams() {
   for (int number = 0; number <= STDERR_FILENO; ++number)
-    // For reading where it is written to, so that writing is the error that it would be without.
+    // Opened in the wrong direction, so that its use fails as on a closed stream.
     if (::fcntl(number, F_GETFD) == -1 && errno == EBADF)
       static_cast<void>(::open("/dev/null", number == STDIN_FILENO ? O_WRONLY : O_RDONLY));
 }

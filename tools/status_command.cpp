@@ -1,4 +1,4 @@
-// burin status - what a loop project is: its rounds and stages, what each rests on, and what comes next.
+// burin status - describes a loop project: its rounds and stages, their inputs, and the next step.
 #include <algorithm>
 #include <filesystem>
 #include <memory>
@@ -57,7 +57,7 @@ Json stage_json(const LoopProject& loop, const StageState& state) {
   return json;
 }
 
-// What one stage was made from, in words that fit a line.
+// Returns the inputs of one stage in words that fit a line.
 std::string rests_on(const StageState& state) {
   if (!state.record || !state.record->holds()) return "";
   constexpr std::size_t kNamed = 6;

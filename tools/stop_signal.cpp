@@ -26,32 +26,32 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
-// All whose default is to end a process. Those of faults come from within; SIGKILL cannot be heard.
+// All signals that end a process by default. Faults are internal; SIGKILL cannot be caught.
 constexpr int kWishes[] = {SIGINT,    SIGTERM, SIGHUP,  SIGQUIT, SIGUSR1, SIGUSR2,  SIGXCPU,
                            SIGVTALRM, SIGPROF, SIGPOLL, SIGPWR,  SIGALRM, SIGSTKFLT};
 constexpr int kFaults[] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGSYS};
 
-// One wish to stop often arrives twice: timeout(1), some shells and terminals send it to the process and again to its
-// group. Whoever asks once more after this time means it.
+// One request often arrives twice: timeout(1), some shells and terminals send it to the process and again to its group.
+// A signal after this time is a second request.
 constexpr milliseconds kOneWish{500};
 
-// Removing what is unfinished takes milliseconds, and so do a command's last words; on a disk or a terminal that does
-// not answer the process ends all the same.
+// Removing unfinished files takes milliseconds, and so does a command's last message. The process also ends if a disk
+// or a terminal does not answer.
 constexpr milliseconds kLongestEnd{1500};
 
 enum class Speaker { nobody, command, signal };
 
-// Whether `speaker` has the last word: nobody had it, or it itself.
+// Returns true if `speaker` gets the last word, or already has it.
 bool takes(std::atomic<Speaker>& last_word, Speaker speaker) {
   Speaker before = Speaker::nobody;
   return last_word.compare_exchange_strong(before, speaker) || before == speaker;
 }
 
-// Never destroyed: a signal may come while the process ends by itself.
+// Never destroyed: a signal may come during the process's normal end.
 struct Wish {
   std::atomic<int> number = 0;
   std::atomic<Speaker> last_word = Speaker::nobody;
-  std::mutex mutex;  // of `keepers`, `longest`, and of who decides what a signal does
+  std::mutex mutex;  // guards `keepers`, `longest`, and the decision about a signal
   int keepers = 0;
   milliseconds longest = StopOnSignal::kAnyTime;
   int pipe[2] = {-1, -1};
@@ -64,7 +64,7 @@ Wish& wish() {
   return one;
 }
 
-// What handlers use; set before there are any.
+// State of the handlers, set before their installation.
 int pipe_end = -1;
 std::atomic<int> code_at_the_latest = 1;
 pthread_t listener;
@@ -73,7 +73,7 @@ bool is_fault(int number) { return std::find(std::begin(kFaults), std::end(kFaul
 
 void hand_over(int number) {
   const char byte = static_cast<char>(number);
-  // A full pipe holds wishes enough.
+  // A full pipe already holds enough requests.
   if (::write(pipe_end, &byte, 1) < 0) errno = 0;
 }
 
@@ -83,7 +83,7 @@ void on_wish(int number) {
   errno = error;
 }
 
-// This thread cannot go on; the listener ends the process, unless it is what failed.
+// This thread cannot continue. The listener ends the process, unless the fault is its own.
 void on_fault(int number) {
   if (pthread_equal(pthread_self(), listener) != 0) ::_exit(128 + number);
   hand_over(number);
@@ -93,7 +93,7 @@ void on_fault(int number) {
 
 void end_at_the_latest(int) { ::_exit(code_at_the_latest); }
 
-// From now on the process ends within kLongestEnd.
+// Ends the process within kLongestEnd.
 void begin_to_end(int exit_code) {
   code_at_the_latest = exit_code;
   std::signal(SIGALRM, end_at_the_latest);
@@ -130,13 +130,13 @@ std::string sentence_of(int number) {
          wish().command_line;
 }
 
-// Ends the process, unless it has ended by itself and is just saying so.
+// Ends the process, unless it is already printing its own last message.
 [[noreturn]] void end_at_once(const std::string& sentence, int code) {
   Wish& w = wish();
   begin_to_end(code);
   while (!takes(w.last_word, Speaker::signal)) ::pause();
   abandon_unfinished();
-  // What was said so far, unless its thread is in the midst of a line that nobody reads.
+  // Flushes the output so far, unless its thread is writing to a blocked stream.
   if (::ftrylockfile(stdout) == 0) {
     std::fflush(stdout);
     ::funlockfile(stdout);
@@ -147,7 +147,7 @@ std::string sentence_of(int number) {
 
 [[noreturn]] void end_at_once(int number) { end_at_once(sentence_of(number), 128 + number); }
 
-// One signal more; `first` is when the first one came.
+// Handles one more signal; `first` is the time of the first one.
 void take_signal(int number, Clock::time_point& first) {
   Wish& w = wish();
   const std::lock_guard lock(w.mutex);
@@ -163,7 +163,7 @@ void take_signal(int number, Clock::time_point& first) {
     w.words.heard("stopping with what there is so far; press Ctrl-C again to end at once");
 }
 
-// Milliseconds until the work that was asked to stop must have ended by itself; -1: any time.
+// Milliseconds until the end of the stopped work's time limit; -1: no limit.
 int time_left(Clock::time_point first) {
   Wish& w = wish();
   const std::lock_guard lock(w.mutex);
@@ -187,14 +187,14 @@ void listen() {
   }
 }
 
-// An exception that nothing has caught: of a thread, or thrown where none may be.
+// Handles an uncaught exception: of a thread, or thrown where none is allowed.
 [[noreturn]] void end_uncaught() {
   const std::exception_ptr thrown = std::current_exception();
   const Wish& w = wish();
   end_at_once(w.words.uncaught ? w.words.uncaught(thrown) : "ended without a reason", 1);
 }
 
-// Others than Ctrl-C and `kill` only where nobody has seen to them: nohup ignores SIGHUP, a sanitizer looks at faults.
+// Respects existing handlers, except for Ctrl-C and `kill`: nohup ignores SIGHUP, and sanitizers handle faults.
 void handle(int number, void (*handler)(int)) {
   struct sigaction before {};
   if (::sigaction(number, nullptr, &before) != 0) return;
@@ -223,7 +223,7 @@ void end_on_signals(const std::string& command_line, StopWords words) {
     fail("threads", "the system gives none: " + error_text(error.code().value()), error_remedy(error.code().value()));
   }
   std::set_terminate(end_uncaught);
-  // Where writing fails, the write tells.
+  // The failing write reports these errors.
   std::signal(SIGXFSZ, SIG_IGN);
   std::signal(SIGPIPE, SIG_IGN);
   for (const int number : kWishes) handle(number, on_wish);

@@ -1,4 +1,4 @@
-// burin toolpath - scratches into files that a machine carves. The work is in burin/optimize/toolpath.h.
+// burin toolpath - writes files for a carving machine from scratches. The work is in burin/optimize/toolpath.h.
 #include <cmath>
 #include <filesystem>
 #include <memory>
@@ -48,7 +48,7 @@ MachineProfile machine_of(const ToolpathArguments& options) {
   return machine;
 }
 
-// The scratches to carve: as they are, or, if asked for, made to obey the machine's limits.
+// Returns the scratches to carve: unchanged or, on request, adapted to the machine's limits.
 Scratches scratches_of(const ToolpathArguments& options, const Board& board, const Bench* bench,
                        const MachineProfile& machine, ProgressBar& bar) {
   bar.progress()("reading scratches", 0);
@@ -64,7 +64,7 @@ Scratches scratches_of(const ToolpathArguments& options, const Board& board, con
   return std::move(mended.scratches);
 }
 
-// The face that depths follow, as a person says.
+// Sets the face for the depths, from the options.
 void set_face(const ToolpathArguments& options, ToolpathOptions& settings) {
   if (options.follow_bow && options.bench.empty()) throw CLI::RequiresError("--follow-bow", "--bench");
   if (options.follow_bow && !options.heights.empty()) throw CLI::ExcludesError("--follow-bow", "--heights");
@@ -72,7 +72,7 @@ void set_face(const ToolpathArguments& options, ToolpathOptions& settings) {
   settings.follow_bow = options.follow_bow;
 }
 
-// How zero is to be set before carving, and what the depths rest on.
+// Describes the work zero before carving, and the reference of the depths.
 std::string zero_text(const MachineProfile& machine, const ToolpathReport& report) {
   if (machine.depth_by == DepthBy::servo) return "set work zero at the board's lower left corner";
   const std::string where = report.face.followed() ? fmt::format("where the tool touches the face at X{:.2f} Y{:.2f}",
@@ -88,7 +88,7 @@ bool is_drawing(const std::filesystem::path& out) {
   return extension == ".svg" || extension == ".dxf" || extension == ".csv";
 }
 
-// The command that looks at the files before they are carved; a loop does that itself.
+// Returns the command that checks the files before carving; a loop does this itself.
 std::string check_line(const ToolpathArguments& options, const ToolpathReport& report) {
   std::vector<std::string> words{"check", "carve", options.scratches.string(), "--board", options.board.string()};
   const auto add = [&](const char* option, const std::string& value) {
@@ -103,8 +103,8 @@ std::string check_line(const ToolpathArguments& options, const ToolpathReport& r
   return "; next: " + command_text(words);
 }
 
-// What G-code tells the machine, to its last decimal: as it was read back from the files, since that is what is in the
-// metal.
+// Returns the commanded scratches with the G-code's decimals. They are read back from the files, because the machine
+// carves those.
 Scratches told_by(const ToolpathReport& report) {
   Scratches told = report.sent.scratches;
   if (report.replayed.size() != told.size())
@@ -115,7 +115,7 @@ Scratches told_by(const ToolpathReport& report) {
     const ReplayedScratch& s = report.replayed[row];
     told.x0_mm[row] = s.from_mm.x(), told.y0_mm[row] = s.from_mm.y();
     told.x1_mm[row] = s.to_mm.x(), told.y1_mm[row] = s.to_mm.y();
-    // A head that presses is told a force instead of a depth.
+    // A pressing head gets a force instead of a depth.
     if (!told.depth_um.empty() && std::isfinite(s.depth_mm)) told.depth_um[row] = 1e3 * s.depth_mm;
   }
   return told;
@@ -145,7 +145,7 @@ void write(const ToolpathArguments& options) {
   const ToolpathReport report =
       write_toolpath(scratches, board, bench ? &*bench : nullptr, machine, settings, options.out, bar.progress());
   if (!options.drawing.empty()) {
-    ToolpathOptions whole = settings;  // without what a drawing cannot hold
+    ToolpathOptions whole = settings;  // without features that a drawing cannot have
     whole.frame = whole.follow_bow = false;
     whole.part_s = 0;
     whole.heights.reset();

@@ -1,4 +1,4 @@
-// burin trace - a result followed back to the photos and pictures that it was made from, by content.
+// burin trace - follows a result back to its photos and pictures, by content.
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -18,11 +18,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A record, and where the files that it made lie now: in place, or moved to a former/ folder.
+// A record and the place of its outputs: the original one, or a former/ folder.
 struct KnownRecord {
   std::string name;  // "round-01/design"
   MadeRecord record;
-  std::string former;  // folder relative to the project; empty: in place
+  std::string former;  // folder relative to the project; empty: original place
 };
 
 struct Trace {
@@ -32,7 +32,7 @@ struct Trace {
   std::set<std::string> told;  // path and hash
   std::set<const KnownRecord*> followed;
   std::set<std::string> changed;  // paths
-  std::string lines;              // what is said of all of them
+  std::string lines;              // output text
 };
 
 void add_records(Trace& trace, const fs::path& folder, const std::string& prefix) {
@@ -48,7 +48,8 @@ void add_records(Trace& trace, const fs::path& folder, const std::string& prefix
       add(entry.path() / "made.json", path_in_project(trace.project.folder, entry.path()));
 }
 
-// The record that made a file with these contents; the one in place first. An edited result is found by what was kept.
+// Returns the record of a file with these contents, preferably one in its original place. An edited result matches by
+// the contents that --keep accepted.
 const KnownRecord* maker_of(const Trace& trace, const std::string& name, const std::string& hash, bool any_name) {
   const KnownRecord* found = nullptr;
   for (const KnownRecord& known : trace.records) {
@@ -65,11 +66,11 @@ const KnownRecord* maker_of(const Trace& trace, const std::string& name, const s
   return found;
 }
 
-// "the same", "changed since", ...: of a file that something was made from.
+// State of an input file: "the same", "changed since", ...
 std::string state_of_file(Trace& trace, const std::string& name, const std::string& hash, const KnownRecord* maker) {
   const std::string now = trace.hashes.of(trace.project.folder / name);
   if (now == hash) return hash.empty() ? "was not there" : "the same";
-  // It may have been moved aside by a stage made anew.
+  // A repeated stage may have moved it.
   if (maker && !maker->former.empty()) {
     const fs::path round = fs::path(maker->former).parent_path().parent_path();
     const fs::path moved = fs::path(maker->former) / fs::path(name).lexically_relative(round);
@@ -110,7 +111,7 @@ void follow(Trace& trace, const std::string& name, const std::string& hash, int 
   for (const auto& [input, content] : record.inputs) follow(trace, input, content, depth + 1);
 }
 
-// The folder that holds the file's project: the nearest above it with rounds.
+// Returns the nearest folder above the file that is a project with rounds.
 fs::path project_folder_of(const fs::path& file) {
   for (fs::path folder = fs::absolute(file).lexically_normal().parent_path();; folder = folder.parent_path()) {
     if (fs::exists(folder / "design.json") && Project{folder}.rounds() > 0) return folder;

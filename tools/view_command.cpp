@@ -1,4 +1,4 @@
-// burin view - a page with the board in it, to be held in the hand before it is carved.
+// burin view - writes a page with the board in three dimensions, for inspection before carving.
 #include <CLI/App.hpp>
 #include <CLI/Error.hpp>
 #include <algorithm>
@@ -23,7 +23,7 @@
 namespace burin {
 namespace {
 
-// What is cut where it crosses others lies in pieces.
+// Grooves that are cut at crossings consist of several pieces.
 std::size_t grooves_of(const Carved& carved) {
   if (carved.source.empty()) return carved.size();
   return std::set<std::uint32_t>(carved.source.begin(), carved.source.end()).size();

@@ -16,7 +16,7 @@ WantedBench wanted_bench(const Project& project) {
   out.measured_rounds = project.measured();
   const int rounds = project.rounds();
   fs::path design = project.folder / "design.json";
-  // A round keeps the design that its board was carved from.
+  // A round stores the design of its carved board.
   if (rounds > out.measured_rounds && fs::exists(project.round(rounds) / "design.json"))
     design = project.round(rounds) / "design.json";
   out.design = read_design(design);

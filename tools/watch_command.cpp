@@ -1,6 +1,6 @@
-// burin watch - photos of a board are judged as they arrive in a folder, while the camera still stands there.
-// The work is in tools/watch: photo_inbox.h (which files have arrived), kept_copies.h (copies of them), shoot.h (what
-// they show and what is missing).
+// burin watch - judges photos of a board as they arrive in a folder, while the camera is still in place. The work is in
+// tools/watch: photo_inbox.h (arrived files), kept_copies.h (their copies), shoot.h (their contents and the missing
+// shots).
 #include <unistd.h>
 
 #include <algorithm>
@@ -35,10 +35,10 @@ namespace {
 namespace fs = std::filesystem;
 using namespace std::chrono_literals;
 
-// A photo is judged 0.2 to 0.4 s after its last byte has come, and copied when none has come for two seconds more.
+// A photo is judged 0.2 to 0.4 s after its last byte, and copied after two more seconds without change.
 constexpr auto kBetweenLooks = 100ms, kStays = 200ms, kStaysForCopies = 2000ms;
 
-// After a wish to stop, a photo that is being looked at is given up.
+// Time limit for the present photo after a request to stop.
 constexpr auto kLongestStop = 1500ms;
 
 struct WatchArguments {
@@ -49,7 +49,7 @@ struct WatchArguments {
   double f_number = 0;
 };
 
-// All that is said while watching, in words or as lines of JSON.
+// All messages of the command, in words or as lines of JSON.
 class Teller {
  public:
   explicit Teller(bool json) : json_(json) {}
@@ -118,7 +118,7 @@ class Watch {
  private:
   bool several_lamps() const { return project_.lamps.size() > 1; }
 
-  // The lamp that a person says is on. A camera on a cable takes one lamp's photos after the other's.
+  // Takes the lamp from the options. A tethered camera takes the photos of one lamp after the other.
   void take_light() {
     const std::string& said = options_.light;
     const auto& lamps = project_.lamps;
@@ -137,7 +137,7 @@ class Watch {
     std::erase_if(project_.shoot.wanted, [&](const WantedShot& shot) { return shot.light != said; });
   }
 
-  // The lamp of a photo: its folder's, or the one that is said to be on; empty where nothing tells.
+  // Returns a photo's lamp: its folder's, or the given one; empty if unknown.
   std::string light_of(const fs::path& file) const {
     if (!several_lamps()) return {};
     for (const LampFolder& lamp : lamp_folders(project_.photos, project_.lamps))
@@ -145,12 +145,12 @@ class Watch {
     return options_.light;
   }
 
-  // Where the loop looks for photos under a lamp.
+  // Returns the loop's folder for photos under a lamp.
   fs::path folder_for(const fs::path& photos, const std::string& light) const {
     return several_lamps() && !light.empty() ? lamp_folder(photos, light, project_.lamps) : photos;
   }
 
-  // By a connected camera, beside those that lie in the folder.
+  // Takes photos with a tethered camera, in addition to those in the folder.
   void take_photos() {
     take_news(inbox_.look());
     project_.shoot.light = several_lamps() ? options_.light : "";
@@ -166,7 +166,7 @@ class Watch {
       take_news(inbox_.look());
       for (const fs::path& file : copies_.look()) judge(file);
       const bool waits = inbox_.expects() || copies_.waiting() > 0;
-      // What cannot be copied is tried again only as long as somebody watches.
+      // Failed copies are retried only during watching.
       if (options_.once && there_ && !inbox_.expects() && copies_.waiting() == copies_.refused()) break;
       if (!waits && there_ && !project_.shoot.photos.empty() &&
           next_step(project_.shoot).kind == NextStep::Kind::finished)
@@ -251,7 +251,7 @@ class Watch {
       copies_.want(file, folder_for(project_.keep, shoot.light));
   }
 
-  // One photo a shot, as in `burin capture`: whether a photo that was judged shows the shot of this file, too.
+  // One photo per shot, as in `burin capture`: looks for a judged photo of the same shot as this file.
   std::optional<SharedShot> shared_shot(const fs::path& file, fs::path& other) {
     passed_over_.erase(file);
     looks_.erase(file);
@@ -278,7 +278,7 @@ class Watch {
     teller_.say("passed over", file, sentence(said));
   }
 
-  // `burin capture` refuses photos of another round; here the person still stands at the board.
+  // `burin capture` refuses photos of another round; here the user can still correct it at the board.
   void find_other_round(const fs::path& file) {
     if (project_.other_rounds.empty()) return;
     const auto other = project_.other_rounds.find(content_hash(file));
@@ -289,7 +289,7 @@ class Watch {
                                                    "take it out, and photograph this round's board"});
   }
 
-  // Of several lamps `burin capture` must know which was on; here the order of the shots is gone by.
+  // With several lamps, `burin capture` needs to know the one that was on; here the order of the shots decides.
   void find_no_lamp(const fs::path& file) {
     if (!several_lamps() || !project_.shoot.light.empty() || file.parent_path() != project_.photos) return;
     project_.shoot.photos.back().faults.push_back({Finding::Severity::warning,
@@ -307,7 +307,8 @@ class Watch {
       if (kept == from) kept = to;
     const auto photo = std::find_if(shoot.photos.begin(), shoot.photos.end(),
                                     [&](const JudgedPhoto& p) { return p.facts.file == from; });
-    if (photo != shoot.photos.end() && photo->light != light_of(to)) {  // into its lamp's folder: perhaps another shot
+    // moved to its lamp's folder, so perhaps another shot
+    if (photo != shoot.photos.end() && photo->light != light_of(to)) {
       PhotoFacts facts = photo->facts;
       facts.file = to;
       remove_photo(from, shoot);
@@ -365,7 +366,7 @@ class Watch {
   KeptCopies copies_;
   std::map<fs::path, std::string> errors_;
   std::map<fs::path, PhotoLook> looks_;
-  std::map<fs::path, fs::path> passed_over_;  // for which photo of the same shot
+  std::map<fs::path, fs::path> passed_over_;  // by skipped file: the photo of the same shot
   bool there_ = true;
   int unreadable_ = 0;
 };

@@ -19,7 +19,7 @@ Eigen::Vector3d middle_of(const Board& board) { return {board.size_mm.x() / 2, b
 
 std::string rounded(double mm) { return fmt::format("{:.{}f}", mm, mm < 9.95 ? 1 : 0); }
 
-// White paper at the board's middle at 60 % of white, at f/8 and ISO 100; 0 where the bench has no scale.
+// Exposure for white paper at the board's center at 60 % of white, at f/8 and ISO 100; 0 for a bench without scale.
 double paper_exposure_s(const Light& light, const Bench& bench, const Board& board) {
   if (!light.intensity_sigma) return 0;
   const Eigen::Vector3d to_lamp = light.position_mm - middle_of(board), wi = to_lamp.normalized();

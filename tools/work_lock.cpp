@@ -25,7 +25,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// What this process holds, by the real name of its folder: flock would take it for another one.
+// Locks of this process by real folder name: flock treats each opened file as another holder.
 struct Held {
   Descriptor file;
   int times = 0;
@@ -44,7 +44,7 @@ AllHeld& all_held() {
 
 fs::path lock_file(const fs::path& folder) { return folder / ".burin-lock"; }
 
-// What the holder wrote; it may be writing it just now.
+// Returns the holder's text; it may still be incomplete.
 std::string said_by_holder(int file) {
   std::array<char, 400> text{};
   const ssize_t length = ::pread(file, text.data(), text.size(), 0);
@@ -57,8 +57,8 @@ std::string holder(int file) {
   return said.empty() ? "another process" : said;
 }
 
-// Locks a file unless somebody works there. Who has locked it but written nothing has only begun, or only asks who
-// works there (who_works_in): that is waited for, a little.
+// Locks a file unless another process works there. A holder without text has just begun, or is only asking
+// (who_works_in): waits for it briefly.
 bool lock_soon(int file) {
   constexpr int kTries = 50;
   constexpr std::chrono::milliseconds kBetween(10);
@@ -79,7 +79,7 @@ bool is_round(const std::string& name) {
          name.find_first_not_of("0123456789", kRound.size()) == std::string::npos;
 }
 
-// The lock's file, locked; none where the one that was opened is no more (its holder removed it).
+// Returns the locked file; none if its holder has removed it since it was opened.
 Descriptor locked_file(const fs::path& name, const fs::path& folder) {
   Descriptor file(::open(name.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK, 0666));
   if (!file) fail_with(name, "cannot be written, and without it two commands could spoil each other's results", errno);
@@ -93,7 +93,7 @@ Descriptor locked_file(const fs::path& name, const fs::path& folder) {
   return is_at(file.number(), name) ? std::move(file) : Descriptor();
 }
 
-// The folder and those above it that are not there, the deepest first.
+// Returns the missing ones of the folder and its parents, the deepest first.
 std::vector<fs::path> missing_folders(fs::path folder) {
   std::vector<fs::path> missing;
   std::error_code error;
@@ -128,7 +128,7 @@ WorkLock::WorkLock(const fs::path& folder, const std::string& work, Where where)
     make_output_folder(folder);
   }
   std::error_code error;
-  if (!fs::is_directory(place, error)) return;  // nobody can work there; who writes says so
+  if (!fs::is_directory(place, error)) return;  // nobody can work there; the writer reports it
   if (where == Where::projects && !is_project(place)) return;
   key_ = place.native();
   const std::lock_guard<std::mutex> guard(all_held().mutex);
@@ -148,7 +148,7 @@ WorkLock::WorkLock(const fs::path& folder, const std::string& work, Where where)
   }
   held = {std::move(file), 1, name};
   const std::string text = fmt::format("{}, process {} since {}\n", work, ::getpid(), local_time("%Y-%m-%d %H:%M:%S"));
-  // It only tells the other one who is here; the lock holds without it.
+  // The text only informs other processes; the lock holds without it.
   if (::ftruncate(held.file.number(), 0) != 0 || ::pwrite(held.file.number(), text.data(), text.size(), 0) < 0) return;
 }
 
@@ -157,7 +157,7 @@ WorkLock::~WorkLock() {
   const std::lock_guard<std::mutex> guard(all_held().mutex);
   const auto found = all_held().by_folder.find(key_);
   if (found == all_held().by_folder.end() || --found->second.times > 0) return;
-  // Removed while it is locked: who has it open already finds that out (locked_file), and makes a new one.
+  // Removed while locked: a process that has it open detects this (locked_file) and makes a new one.
   ::unlink(found->second.name.c_str());
   all_held().by_folder.erase(found);
   remove_if_empty(made_);
