@@ -12,7 +12,7 @@
 namespace burin {
 namespace {
 
-// Right and up on the page.
+// Returns the page's right and up directions.
 Eigen::Matrix<double, 2, 3> axes_of(Projection projection) {
   Eigen::Matrix<double, 2, 3> m = Eigen::Matrix<double, 2, 3>::Zero();
   switch (projection) {
@@ -46,12 +46,12 @@ Box grown(const Box& box, double by) {
   return {box.low - Eigen::Vector2d::Constant(by), box.high + Eigen::Vector2d::Constant(by)};
 }
 
-// Finds places for labels, one after the other: where they cover no other label, no dot, and stay on the drawing.
+// Places labels one after the other, so that they cover no other label and no dot and stay on the drawing.
 struct LabelRoom {
   Box page;
   std::vector<Box> dots, labels;
-  std::vector<Eigen::Vector2d> lines;      // points of what is better not written over
-  std::vector<Eigen::Vector2d> leaders{};  // and of lines to labels
+  std::vector<Eigen::Vector2d> lines;      // points of lines that labels should not cover
+  std::vector<Eigen::Vector2d> leaders{};  // points of leader lines to labels
   Box board;
 
   double badness(const Box& box) const {
@@ -64,7 +64,7 @@ struct LabelRoom {
     return bad + 2 * shared_area(box, board);
   }
 
-  // Points of the line from a dot to its label, half a millimeter apart.
+  // Returns points of the leader line from a dot to its label, half a millimeter apart.
   static std::vector<Eigen::Vector2d> leader(const Eigen::Vector2d& dot, const Box& box) {
     const Eigen::Vector2d way = dot.cwiseMax(box.low).cwiseMin(box.high) - dot;
     std::vector<Eigen::Vector2d> points;
@@ -72,7 +72,7 @@ struct LabelRoom {
     return points;
   }
 
-  // How many points of lines to labels lie in labels: of a new one in those there are, and the other way around.
+  // Counts the points of leader lines within labels: of the new line in existing labels, and the reverse.
   double crossed(const Eigen::Vector2d& dot, const Box& box) const {
     const auto within = [](const Eigen::Vector2d& p, const Box& label) {
       return (p.array() > label.low.array()).all() && (p.array() < label.high.array()).all();
@@ -94,7 +94,7 @@ struct LabelRoom {
         const Eigen::Vector2d toward(std::cos(a), std::sin(a)), half(width / 2, height / 2);
         const Eigen::Vector2d center = dot + reach * toward + toward.cwiseProduct(half);
         const Box box{center - half, center + half};
-        // Beside is read more easily than above or below.
+        // Labels at the side are easier to read than labels above or below.
         const double bad = badness(box) + 10 * crossed(dot, box) + reach + 0.8 * std::abs(toward.y());
         if (bad < least) {
           least = bad;
@@ -108,7 +108,7 @@ struct LabelRoom {
   }
 };
 
-// A length of 1, 2 or 5 times a power of ten, at most a quarter of that.
+// Returns a length of 1, 2 or 5 times a power of ten, at most a quarter of the argument.
 double ruler_length(double shown_mm) {
   const double wanted = shown_mm / 4, power = std::pow(10, std::floor(std::log10(wanted)));
   return power * (wanted >= 5 * power ? 5 : wanted >= 2 * power ? 2 : 1);
@@ -127,13 +127,13 @@ void add_star(Drawing& drawing, const Eigen::Vector2d& c, double radius) {
   add_polygon(drawing, std::move(points), Tint::lamp);
 }
 
-// What is seen of bench and room, right and up, mm; and where that goes on the drawing.
+// The visible part of bench and room, right and up, mm, and its place on the drawing.
 struct Frame {
   Eigen::Matrix<double, 2, 3> axes;
   Eigen::Vector2d low{0, 0}, high{0, 0};
   double scale = 1;
   Eigen::Vector2d origin{0, 0};
-  bool floor_cut = false;  // further down than there is room for
+  bool floor_cut = false;  // further down than the drawing has room
 
   Eigen::Vector2d at(const Eigen::Vector2d& p) const {
     return {origin.x() + scale * (p.x() - low.x()), origin.y() + scale * (high.y() - p.y())};
@@ -158,7 +158,7 @@ Frame frame_of(const Board& board, const std::vector<SheetPlace>& places, Projec
     for (const Eigen::Vector2d& d : tolerance_outline(board, place, projection)) include(p + d);
   }
   if (projection == Projection::wall_side) {
-    constexpr double kMostTimes = 2.5;  // as far as it does not make all else small
+    constexpr double kMostTimes = 2.5;  // limit beyond which all else would be too small
     const double without = std::max((frame.high - frame.low).maxCoeff(), 1.0);
     frame.floor_cut = frame.high.y() - floor_y > kMostTimes * without;
     include({0, frame.floor_cut ? frame.low.y() - 0.15 * without : floor_y});
@@ -172,7 +172,7 @@ Frame frame_of(const Board& board, const std::vector<SheetPlace>& places, Projec
   return frame;
 }
 
-// The table's top, the wall, the floor.
+// Draws the table's top, the wall and the floor.
 void draw_room(Drawing& drawing, const Frame& frame, Projection projection, double width, double text, double floor_y) {
   const Pen pen{Tint::soft, 0.3, 0};
   const auto words = [&](const Eigen::Vector2d& at, const std::string& what, Anchor anchor) {
@@ -200,18 +200,20 @@ void draw_room(Drawing& drawing, const Frame& frame, Projection projection, doub
 }  // namespace
 
 std::vector<Eigen::Vector2d> tolerance_outline(const Board& board, const SheetPlace& place, Projection projection) {
-  // The directions of burin/optimize/design/tolerance.h.
+  // Directions as in burin/optimize/design/tolerance.h.
   const Eigen::Vector2d middle = (board.carve_min_mm + board.carve_max_mm) / 2;
   const Eigen::Vector3d depth = (place.at_mm - Eigen::Vector3d(middle.x(), middle.y(), 0)).normalized();
   const Eigen::Vector3d level = Eigen::Vector3d::UnitZ().cross(depth);
   const Eigen::Vector3d sideways = level.norm() > 1e-6 ? level.normalized() : Eigen::Vector3d::UnitX();
-  Eigen::Matrix3d half;  // the ellipsoid's half axes
+  Eigen::Matrix3d half;  // half axes of the ellipsoid
   half << place.tolerance.sideways.least() * sideways, place.tolerance.up.least() * depth.cross(sideways),
       place.tolerance.depth.least() * depth;
   const Eigen::Matrix<double, 2, 3> seen = axes_of(projection) * half;
-  // The outline reaches sqrt(u^T M u) in the direction u, M = seen seen^T: it is the root of M, times the unit circle.
+  // The outline's extent in direction u is sqrt(u^T M u), M = seen seen^T. The outline is the root of M times the unit
+  // circle.
   const Eigen::Matrix2d M = seen * seen.transpose();
-  // (Of 2 x 2, by Cayley and Hamilton: root^2 - trace(root) root + det(root) = 0. Seen edge on, det may round below 0.)
+  // The root of a 2 x 2 matrix follows from Cayley and Hamilton: root^2 - trace(root) root + det(root) = 0. For an
+  // ellipsoid seen edge on, the determinant may round below 0.
   const double det_root = std::sqrt(std::max(0.0, M.determinant()));
   const Eigen::Matrix2d root =
       (M + det_root * Eigen::Matrix2d::Identity()) / std::sqrt(std::max(1e-300, M.trace() + 2 * det_root));

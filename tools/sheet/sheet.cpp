@@ -45,9 +45,9 @@ std::pair<double, double> eye_range_mm(const std::vector<SheetPlace>& places) {
   return {low, high};
 }
 
-// How high eyes are, and what to do about it.
+// Reports the eyes' heights, with a remedy.
 Finding eyes_and_floor(const Sheet& sheet) {
-  constexpr double kKnees_mm = 200;  // knees that bend, shoes, and how people differ
+  constexpr double kKnees_mm = 200;  // allowance for bent knees, shoes, and people's heights
   const auto [low_y, high_y] = eye_range_mm(sheet.places);
   const double low = above_floor(sheet, low_y), high = above_floor(sheet, high_y);
   const std::string eyes =
@@ -78,7 +78,7 @@ std::vector<SheetPlace> sheet_places(const WantedBench& wanted) {
   for (std::size_t k = 0; k < wanted.design.views.size(); ++k) {
     const DesignView& v = wanted.design.views[k];
     const MatchTolerance& tolerance = wanted.tolerances[k];
-    // A view under two lamps is one place to stand.
+    // A view under two lamps is one viewpoint.
     const auto eye =
         std::find_if(eyes.begin(), eyes.end(), [&](const SheetPlace& place) { return place.name == v.view; });
     if (eye == eyes.end()) {

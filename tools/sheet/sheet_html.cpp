@@ -12,7 +12,7 @@
 namespace burin {
 namespace {
 
-// A phone shows it 390 pixels wide, and words must still be read: drawn narrow, with large words.
+// A phone shows it 390 pixels wide. A narrow drawing with large words stays legible.
 constexpr double kWidth_mm = 100, kMostHeight_mm = 110, kDrawingText_mm = 3.6;
 
 std::string figure_of(const Sheet& sheet, Projection projection, const std::string& caption) {

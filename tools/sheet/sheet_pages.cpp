@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kMargin_mm = 14, kText_mm = 2.9, kLine_mm = 3.9;
 
-// Fills pages from the top; begins another where one is full.
+// Fills pages from the top and begins a new one when one is full.
 struct PageWriter {
   Eigen::Vector2d paper_mm;
   std::string name;
@@ -48,7 +48,7 @@ struct PageWriter {
     add_words(page(), {.at_mm = {kMargin_mm, y}, .text = text, .size_mm = 3.6, .bold = true});
     y += 2;
   }
-  // `beside_mm`: how high what stands beside it is.
+  // `beside_mm`: height of the content next to it.
   void drawing(const BenchDrawing& drawn, double beside_mm = 0) {
     add_drawing(page(), drawn.drawing, {kMargin_mm, y});
     y += std::max(drawn.drawing.size_mm.y(), beside_mm);
@@ -60,7 +60,7 @@ struct Column {
   double share;  // of the width
 };
 
-// `tick`: an empty box before each row. A page that is full is continued under the title.
+// `tick`: an empty box before each row. The table continues under the title on a new page.
 void add_table(PageWriter& writer, const std::vector<Column>& columns,
                const std::vector<std::vector<std::string>>& rows, bool tick, const std::string& title) {
   const double tick_mm = tick ? 6 : 0, width = writer.width() - tick_mm;
@@ -85,7 +85,7 @@ void add_table(PageWriter& writer, const std::vector<Column>& columns,
     writer.y += kNext_mm * static_cast<double>(most) - 1.6;
   };
   head();
-  constexpr double kNarrower = 1.12;  // words take less than words_width_mm(), which is on the safe side
+  constexpr double kNarrower = 1.12;  // words need less than the conservative words_width_mm()
   for (const auto& row : rows) {
     std::vector<std::vector<std::string>> lines;
     std::size_t most = 1;
@@ -128,8 +128,9 @@ void add_places(PageWriter& writer, const std::vector<PlaceInWords>& places, con
 
 std::vector<Drawing> sheet_pages(const Sheet& sheet, const Eigen::Vector2d& paper_mm) {
   PageWriter writer{paper_mm, sheet.name};
-  const std::string name = shortened(sheet.name, 5.6, writer.width() / 2, true);  // what the page is must be read
-  // What the table of places takes, about, is kept free; where little is left, it has a page of its own.
+  // leaves room for the page's own title
+  const std::string name = shortened(sheet.name, 5.6, writer.width() / 2, true);
+  // Reserves the approximate height of the table of places; without enough room, it gets a page of its own.
   const double table_mm = 18 + 10.4 * static_cast<double>(sheet.places.size());
   bool own_page = false;
   const auto room_for_drawings = [&] {
