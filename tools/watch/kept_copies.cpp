@@ -86,7 +86,7 @@ std::vector<fs::path> KeptCopies::look() {
     std::string hash;
     try {
       hash = content_hash(photo);
-    } catch (const Error&) {  // it is being replaced, or its disk is away: the next look knows
+    } catch (const Error&) {  // the file is being replaced, or its disk is absent: the next look decides
     }
     const bool same = !hash.empty() && hash == kept.hash;
     const bool seen = stamp.size != kept.stamp.size || stamp.changed_ns != kept.stamp.changed_ns;
@@ -112,7 +112,7 @@ std::vector<fs::path> KeptCopies::look() {
   return changed;
 }
 
-// Whether all is done; otherwise it is tried again.
+// Returns true if all is done; otherwise look() retries.
 bool KeptCopies::copy_now(const fs::path& photo, Kept& kept) {
   try {
     const fs::path former = kept.copy;
@@ -144,7 +144,7 @@ bool KeptCopies::copy_now(const fs::path& photo, Kept& kept) {
         return true;
       }
     }
-    if (kept.copied != kept.hash) {  // it has changed while it was copied
+    if (kept.copied != kept.hash) {  // changed during the copy
       kept.hash.clear();
       return false;
     }
@@ -166,7 +166,7 @@ void KeptCopies::put_copy(const fs::path& photo, const fs::path& to, Kept& kept)
   kept.copied = content_hash(to);
 }
 
-// The copy that was made when the photo counted for another lamp.
+// Removes the copy made when the photo belonged to another lamp.
 void KeptCopies::remove_former(const fs::path& photo, const fs::path& former, const std::string& hash) {
   std::error_code error;
   if (!fs::is_regular_file(former, error) || content_hash(former) != hash) return;

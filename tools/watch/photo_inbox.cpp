@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Programs that copy or sync write under another name first; what is left when that is taken off may look like a photo.
+// Programs that copy or synchronize use a temporary name first. Without its prefix, it may look like a photo's name.
 bool is_in_the_making(const std::string& name) { return name.front() == '.' || name.front() == '~'; }
 
 void add_files(const fs::path& folder, std::error_code& error, std::vector<fs::path>& files) {
@@ -24,8 +24,8 @@ void add_files(const fs::path& folder, std::error_code& error, std::vector<fs::p
     if (!is_in_the_making(entry->path().filename().string())) files.push_back(entry->path());
 }
 
-// What lies in a folder and in its lamps' folders, these left out. `error`: of the folder itself; one within that
-// cannot be read now is looked at the next time.
+// Returns the files in a folder and in its lamps' folders, without temporary ones. `error`: of the folder itself. An
+// unreadable lamp folder is read at the next look.
 std::vector<fs::path> files_of(const fs::path& folder, const std::vector<std::string>& lamps, std::error_code& error) {
   std::vector<fs::path> files;
   add_files(folder, error, files);
@@ -52,15 +52,14 @@ InboxNews PhotoInbox::look() {
   const std::vector<fs::path> files = files_of(folder_, lamps_, error);
   for (const fs::path& file : files) {
     struct stat status {};
-    // Gone again since the folder was read, or no file: a share that drops out shows in the folder itself.
+    // Removed since the folder was read, or no file. A lost share gives an error for the folder itself.
     if (::stat(file.c_str(), &status) != 0) continue;
     Entry found;
     found.size = static_cast<std::uintmax_t>(status.st_size);
     found.inode = status.st_ino;
     std::error_code ignored;
     found.time = fs::last_write_time(file, ignored);
-    // What was a photo at the last look, and is unchanged, need not be opened again. One that has not come yet has a
-    // name only.
+    // An unchanged photo of the latest look need not be opened again. A file without content yet is judged by its name.
     const auto before = entries_.find(file);
     const bool known = before != entries_.end() && before->second == found;
     if (!S_ISREG(status.st_mode) || (!known && !is_photo(file) && (is_sidecar_name(file) || !is_photo_name(file)))) {
@@ -94,7 +93,7 @@ InboxNews PhotoInbox::look() {
       }
       continue;
     }
-    // A taken file under another name: the same one on the disk, unchanged.
+    // A taken file under another name: same inode, unchanged.
     const auto former = std::find_if(entries_.begin(), entries_.end(), [&](const auto& e) {
       return e.second == found && e.second.state == Entry::State::taken && !seen.contains(e.first);
     });

@@ -11,14 +11,14 @@
 namespace burin {
 namespace {
 
-// Steps that a person can make by hand: 5 mm from 30 mm on.
+// Rounds to steps that people can set by hand: 5 mm from 30 mm on.
 std::string mm_words(double mm) {
   const double a = std::abs(mm);
   return fmt::format("{:.0f} mm", a >= 30 ? 5 * std::round(a / 5) : std::round(a));
 }
 
-// "40 mm to the left, 15 mm higher": board axes, as a person sees them who stands at the lower edge of a board on a
-// table. Parts below `least_mm` are left out; empty where nothing is left.
+// "40 mm to the left, 15 mm higher": board axes, as seen from the lower edge of a board on a table. Leaves out parts
+// below `least_mm`; empty if none remains.
 std::string way_words(const Eigen::Vector3d& way_mm, double least_mm) {
   std::string out;
   const auto add = [&](double mm, const char* plus, const char* minus) {
@@ -39,7 +39,7 @@ std::string called(const WantedShot& shot) {
   return fmt::format("{} \"{}\"", shot.designed ? "view" : "shot", shot.name);
 }
 
-// Which one it is, and how far off.
+// Returns the assigned shot and the distance from it.
 std::string which_words(const JudgedPhoto& photo, const Shoot& shoot) {
   if (photo.facts.place_of_before && photo.shot)
     return called(shoot.wanted[*photo.shot]) + " (too dark to see tags: taken for the place of the photo before)";
@@ -79,7 +79,7 @@ std::string shows_words(const JudgedPhoto& photo, const Shoot& shoot) {
   return out;
 }
 
-// The exposure on the camera's dials, aperture and ISO as in that photo.
+// Returns the exposure as an exposure time, at that photo's aperture and ISO.
 std::string exposure_words(double factor, const PhotoFacts& like) {
   if (!(factor > 0)) return "";
   const double f_number = like.exif.f_number.value_or(kAssumedAperture), iso = like.exif.iso.value_or(100);
@@ -91,7 +91,7 @@ std::string exposure_words(double factor, const PhotoFacts& like) {
 std::string move_words(const NextStep& next, const Shoot& shoot) {
   const WantedShot& shot = shoot.wanted[*next.shot];
   const JudgedPhoto* last = shoot.photos.empty() ? nullptr : &shoot.photos.back();
-  const bool said = last != nullptr && shoot.sent_to == next.shot;  // the last time: its place need not be said again
+  const bool said = last != nullptr && shoot.sent_to == next.shot;  // the place was given with the message before
   std::string out = called(shot) + (said && last->facts.pose ? "" : ": " + shot.place);
   if (last == nullptr || (last->shot && shoot.wanted[*last->shot].light != shot.light))
     out += fmt::format("; lamp \"{}\" {}", shot.light, shot.lamp_place);

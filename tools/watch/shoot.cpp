@@ -9,11 +9,11 @@
 namespace burin {
 namespace {
 
-constexpr double kDimPaper = 0.05, kSameDimEye = 0.04;  // the same where paper is dim
-constexpr double kSameEye = 0.01;  // of the distance: what poses from one photo scatter by, and more
-constexpr double kDarkest = -8.5;  // stops: what still clips there is no groove's glint
+constexpr double kDimPaper = 0.05, kSameDimEye = 0.04;  // paper's share of white in a dim photo, and kSameEye for it
+constexpr double kSameEye = 0.01;  // share of the distance; more than the scatter of poses from one photo
+constexpr double kDarkest = -8.5;  // stops: a darker photo clips for other reasons than a groove's glint
 constexpr double kGlintStep = 1.0 / 8;
-constexpr double kOneEye_mm = 1;  // shots from there are one place, under several lamps
+constexpr double kOneEye_mm = 1;  // shots within this distance are one place, under several lamps
 
 bool has_error(const JudgedPhoto& photo) { return has_errors(photo.faults); }
 
@@ -24,14 +24,14 @@ std::vector<const PhotoFacts*> others_of(const Shoot& shoot, const std::filesyst
   return others;
 }
 
-// Whether a camera is turned about its line of sight as another: upside down is as good as upright.
+// Returns true if both cameras have the same rotation about the line of sight; upside down counts as upright.
 bool same_way_up(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
   const Eigen::Matrix3d R = a.linear() * b.linear().transpose();
   const double roll = std::atan2(R(1, 0) - R(0, 1), R(0, 0) + R(1, 1));
   return std::cos(2 * roll) > 0;  // within 45 degrees
 }
 
-// The exposure factor that has white paper at 60 %, by all photos that measured it; 0 where none did.
+// Returns the exposure factor for white paper at 60 %, from all photos with a measurement; 0 without any.
 double paper_factor(const Shoot& shoot) {
   std::vector<double> factors;
   for (const JudgedPhoto& photo : shoot.photos) {
@@ -58,7 +58,7 @@ bool same_place(const PhotoFacts& a, const PhotoFacts& b, const Board& board) {
   return (*eye_a - *eye_b).norm() <= reach * (*eye_a - middle).norm();
 }
 
-// What the photos from one place hold together.
+// Union of the results of all photos from one place.
 struct PlaceState {
   bool tags = false, glints = false;
 };
@@ -70,7 +70,7 @@ PlaceState place_state(const JudgedPhoto& at, const Shoot& shoot, std::size_t fr
     if (has_error(photo) || photo.shot != at.shot || photo.light != at.light) continue;
     if (&photo != &at && !same_place(photo.facts, at.facts, shoot.board)) continue;
     out.tags = out.tags || shows_tags_well(photo.facts, shoot.board);
-    // What still shines at the darkest is a lamp in a tag's varnish, a drop, a screw: no exposure holds it.
+    // Highlights in the darkest photo come from a tag's varnish, a drop or a screw; no exposure avoids their clipping.
     out.glints =
         out.glints || holds_glints(photo.facts) || (photo.stops && *photo.stops <= kDarkest) || !photo.facts.carve_seen;
   }
@@ -107,8 +107,8 @@ void find_shot(const Shoot& shoot, JudgedPhoto& photo) {
   if (photo.nearest && photo.offset.reaches <= 1 && !photo.wrong_way_up) photo.shot = photo.nearest;
 }
 
-// The shot from the same place under the lamp of a photo that is too dark to tell where it was taken; `before` is the
-// photo before it.
+// Assigns the shot of a photo that is too dark for a pose. It is the shot from the place of `before`, the preceding
+// photo, under this photo's lamp.
 void take_place_of(const JudgedPhoto& before, const Shoot& shoot, JudgedPhoto& photo) {
   if (before.light == photo.light) {
     photo.shot = before.shot;
@@ -140,7 +140,7 @@ NextStep move_on(const Shoot& shoot) {
 }  // namespace
 
 bool is_further_place(const JudgedPhoto& photo, const Shoot& shoot) {
-  constexpr double kAttempt = 3;  // what is nearer than so many times a wanted place's reach was meant for it
+  constexpr double kAttempt = 3;  // in reaches: a nearer photo is an attempt at the wanted place
   return !photo.shot && photo.facts.pose && shoot.least_places > 0 &&
          (!photo.nearest || photo.offset.reaches > kAttempt);
 }
@@ -153,7 +153,7 @@ const JudgedPhoto& add_photo(PhotoFacts facts, Shoot& shoot) {
   photo.light = shoot.light;
   photo.faults = photo_faults(photo.facts, shoot.board, others_of(shoot, photo.facts.file));
   photo.stops = stops_of(photo.facts, shoot);
-  // The dark end of a bracket belongs to where its other photos do, however the plan's places lie.
+  // The dark end of a bracket belongs to the place of its other photos, for any plan.
   if (photo.facts.place_of_before && !shoot.photos.empty()) {
     take_place_of(shoot.photos.back(), shoot, photo);
   } else {
@@ -161,7 +161,7 @@ const JudgedPhoto& add_photo(PhotoFacts facts, Shoot& shoot) {
       return other.shot && other.light == photo.light && same_place(other.facts, photo.facts, shoot.board);
     });
     find_shot(shoot, photo);
-    // A bracket stays together: shots from one place under two lamps follow each other as wholes.
+    // A bracket stays together: shots from one place under two lamps follow each other as complete brackets.
     if (one != shoot.photos.rend() && photo.shot && !is_done(*one, shoot)) photo.shot = photo.nearest = one->shot;
   }
   shoot.photos.push_back(std::move(photo));

@@ -10,7 +10,7 @@
 namespace burin {
 namespace {
 
-// A planned place is one of many that would do: seven degrees aside and a seventh in depth it still tells the same.
+// A planned place is not critical: up to seven degrees aside and a seventh in depth, a photo has the same information.
 PlaceTolerance planned_tolerance(const Eigen::Vector3d& eye_mm, const Board& board) {
   const Eigen::Vector3d middle(board.size_mm.x() / 2, board.size_mm.y() / 2, 0);
   const double aside = 0.12 * (eye_mm - middle).norm() / kReach, depth = 0.15 * (eye_mm - middle).norm() / kReach;
@@ -21,7 +21,7 @@ void require_in_front(const Eigen::Vector3d& eye_mm, const std::string& where) {
   if (!(eye_mm.z() > 0)) fail(where, "lies behind the board", "plan again with burin plan");
 }
 
-// Where lights stand that shine at once.
+// Describes the places of lights that shine together.
 std::string lamps_in_words(const std::string& light, const Bench& bench, const Board& board) {
   const std::vector<std::string> ids = light_names(light);
   std::string out;
@@ -31,7 +31,7 @@ std::string lamps_in_words(const std::string& light, const Bench& bench, const B
   return out;
 }
 
-// Whether a light is that of a picture, or one of several that light it.
+// Returns true for the light of a picture, or for one of its several lights.
 bool shines_in(const std::string& light, const std::string& of_picture) {
   const std::vector<std::string> ids = light_names(of_picture);
   return light == of_picture || std::find(ids.begin(), ids.end(), light) != ids.end();
@@ -40,7 +40,7 @@ bool shines_in(const std::string& light, const std::string& of_picture) {
 }  // namespace
 
 std::vector<WantedShot> planned_shots(const std::filesystem::path& plan, const Board& board) {
-  // Not strict: a plan holds more than is needed here, and is written by a program.
+  // Not strict: a program writes the plan, with more fields than needed here.
   const Json json = read_json(plan, "burin/plan", 1);
   JsonObject root(json, plan.string());
   std::vector<WantedShot> shots;
@@ -91,7 +91,7 @@ std::vector<WantedShot> designed_shots(const DesignSpec& design, const Bench& be
 
 void take_tolerances(const std::vector<MatchTolerance>& tolerances, std::vector<WantedShot>& shots) {
   for (WantedShot& shot : shots) {
-    const MatchTolerance* least = nullptr;  // of the pictures that this light shows from there
+    const MatchTolerance* least = nullptr;  // smallest tolerance of the pictures under this light from there
     for (const MatchTolerance& t : tolerances) {
       if (!shot.designed || t.view != shot.name || !shines_in(shot.light, t.light)) continue;
       if (least == nullptr || t.eye.sideways.least() < least->eye.sideways.least()) least = &t;

@@ -28,14 +28,14 @@ fs::path first_there(std::initializer_list<fs::path> files) {
 }
 
 fs::path plan_of(const Project& project, const fs::path& round) {
-  // The sheet's own plan counts as long as the sheet does.
+  // The sheet's own plan is valid as long as the sheet.
   const bool stale = !changed_since_sheet(project).empty();
   return first_there({round.empty() ? fs::path() : round / "plan.json",
                       round.empty() ? fs::path() : round / "plan" / "plan.json",
                       stale ? fs::path() : project.folder / "plan.json", project.folder / "plan" / "plan.json"});
 }
 
-// The folder of photos: as given, or the round's.
+// Sets the folder of photos: the given one, or the round's.
 void find_photos(const Project& project, const fs::path& round, const fs::path& given, WatchedProject& out) {
   std::error_code ignored;
   if (!round.empty()) out.keep = round / "photos";
