@@ -15,8 +15,8 @@
 namespace burin {
 namespace {
 
-constexpr double kDepth_um = 14;     // what a drag bit scratches; others only where half vectors lean further
-constexpr double kFace_alpha = 0.1;  // polished, or fine satin: what glints stand out from
+constexpr double kDepth_um = 14;     // depth of a drag bit; others only if half vectors tilt further
+constexpr double kFace_alpha = 0.1;  // polished or fine satin, as a background for glints
 constexpr double kFurthest_mm = 10e3;
 
 Eigen::Vector3d board_middle(const Board& board) { return {board.size_mm.x() / 2, board.size_mm.y() / 2, 0}; }
@@ -32,7 +32,7 @@ std::vector<Eigen::Vector2d> seen(const Lens& lens, const Eigen::Vector3d& eye_m
   return q;
 }
 
-// The shortest side of a tag in the photos.
+// Returns the shortest side of a tag in the photos.
 double smallest_tag_px(const Lens& lens, const std::vector<Eigen::Vector3d>& eyes, const Board& board) {
   double least = INFINITY;
   for (const Eigen::Vector3d& eye : eyes)
@@ -44,7 +44,7 @@ double smallest_tag_px(const Lens& lens, const std::vector<Eigen::Vector3d>& eye
   return least;
 }
 
-// How many times the picture would have to be as wide for all of the board to be on it, with a little room.
+// Returns the factor by which the photo would have to be wider to show the whole board with a small margin.
 double crowding(const Lens& lens, const std::vector<Eigen::Vector3d>& eyes, const Board& board) {
   const Eigen::Vector2d size = board.size_mm;
   double most = 0;
@@ -57,14 +57,14 @@ double crowding(const Lens& lens, const std::vector<Eigen::Vector3d>& eyes, cons
   return most;
 }
 
-// A side that the detector finds: two and a half pixels a module of a 41h12, in the photo that it searches, which is
-// half as large above 4 megapixels (burin/capture/tags/tag_detector.h).
+// Returns the smallest side that the detector finds: two and a half pixels per module of a 41h12. The detector halves
+// photos above 4 megapixels (burin/capture/tags/tag_detector.h).
 double needed_px(const Lens& lens) {
   constexpr double kFound = 13, kHalvedAbove = 4e6;
   return static_cast<double>(lens.width) * lens.height > kHalvedAbove ? 2 * kFound : kFound;
 }
 
-// Eyes for the shallowest grooves that glint from there; nothing if none do.
+// Chooses eyes at that distance for the shallowest glinting grooves; nothing if no groove glints.
 std::optional<std::vector<Eigen::Vector3d>> places_at(double stand_mm, const BenchWishes& wanted,
                                                       const Eigen::Vector3d& lamp_mm, Board& board) {
   for (const double depth_um : {kDepth_um, 16.0, 18.0, 20.0}) {
@@ -80,7 +80,7 @@ std::optional<std::vector<Eigen::Vector3d>> places_at(double stand_mm, const Ben
   return std::nullopt;
 }
 
-// The bench at one distance; nothing where no groove can glint.
+// Lays the bench out at one distance; nothing if no groove can glint.
 std::optional<LaidOutBench> laid_out_at(double stand_mm, double tag_mm, const BenchWishes& wanted) {
   LaidOutBench bench;
   bench.stand_mm = stand_mm;
@@ -111,7 +111,7 @@ std::string meters(double mm) { return fmt::format("{:.2f} m", std::ceil(mm / 10
        "hang the lamp further away and about 40 degrees to the side, as --lamp above does, or show fewer pictures");
 }
 
-// What falls short in the photos, and what would help.
+// Reports problems in the photos and their remedies.
 void find_shortfalls(const BenchWishes& wanted, LaidOutBench& bench) {
   const Lens& lens = wanted.camera.lens;
   const double crowded = crowding(lens, bench.eyes_mm, bench.board), needed = needed_px(lens);
@@ -127,7 +127,7 @@ void find_shortfalls(const BenchWishes& wanted, LaidOutBench& bench) {
             " away (--stand), or photograph with a longer lens or more pixels (--camera)"));
 }
 
-// The bench at one distance with tags as large as they must be; nothing where no groove can glint.
+// Lays the bench out at one distance with tags of sufficient size; nothing if no groove can glint.
 std::optional<LaidOutBench> with_visible_tags(double stand_mm, const BenchWishes& wanted) {
   const TagSizes sizes = tag_sizes(wanted.board_mm);
   const double needed = needed_px(wanted.camera.lens);
@@ -143,8 +143,8 @@ std::optional<LaidOutBench> with_visible_tags(double stand_mm, const BenchWishes
   return bench;
 }
 
-// Where nobody said how far away people stand: four times the diagonal, so that half vectors turn little over the
-// board; nearer where tags would be too small, or further where the lens would crop the board.
+// Chooses a missing viewing distance: four times the diagonal, at which half vectors vary little over the board. It is
+// smaller if tags would be too small, or larger if the lens would crop the board.
 std::optional<LaidOutBench> at_usual_distance(const BenchWishes& wanted, double& stand_mm) {
   constexpr double kNearest_mm = 400, kUsualFurthest_mm = 2000, kRound_mm = 50;
   const double diagonal = wanted.board_mm.norm();

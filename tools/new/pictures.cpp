@@ -26,8 +26,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kSmall = 640;     // pixels: enough to look at
-constexpr int kLargest = 2400;  // what a design can show, and more
+constexpr int kSmall = 640;     // pixels: sufficient for display
+constexpr int kLargest = 2400;  // above the resolution of any design
 
 Image at_most(const Image& image, int longest) {
   const double scale = static_cast<double>(longest) / std::max(image.width, image.height);
@@ -64,7 +64,7 @@ std::string view_name(const fs::path& file, std::size_t number) {
   return letters ? name : fmt::format("picture-{}", number);
 }
 
-// "name-2" for the second. File systems that do not tell A from a are meant too.
+// "name-2" for the second. Case-insensitive, like some file systems.
 template <typename WithNumber>
 std::string unique(const std::string& name, std::set<std::string>& taken, WithNumber with_number) {
   std::string out = name;
@@ -87,12 +87,13 @@ Image luminance_encoded(const Image& image, bool linear) {
   return gray;
 }
 
-// Where a picture is see-through, nothing is to be seen: on metal that is dark, but for what is dark itself, which only
-// shows on white. `image`: over white. Returns the word for the ground; empty where (nearly) all is opaque.
+// Chooses the background of a transparent picture. Transparent areas should show nothing. On metal this is black,
+// except for dark pictures, which are visible on white only. `image`: over white. Returns the background's name; empty
+// for a (nearly) opaque picture.
 std::string choose_ground(const fs::path& file, Image& image) {
   std::optional<Image> on_black = read_large_picture_on_black(file, kLargest);
   if (!on_black) return "";
-  double there = 0, light = 0;  // how much of it is opaque, and its luminance
+  double there = 0, light = 0;  // opaque share, and its luminance
   const Image over_white = luminance(image), over_black = luminance(*on_black);
   for (std::size_t i = 0; i < over_white.data.size(); ++i) {
     there += 1 - (over_white.data[i] - over_black.data[i]);
@@ -132,7 +133,7 @@ ChosenPicture read_chosen(const fs::path& file) {
   return p;
 }
 
-// Two at a time: while it is read, one takes up to 0.8 GB. What is wrong is told of the first in their order.
+// Reads two at a time, because reading one takes up to 0.8 GB. Reports the first error in their order.
 std::vector<ChosenPicture> read_all_chosen(const std::vector<fs::path>& files) {
   constexpr int kAtOnce = 2;
   std::vector<ChosenPicture> pictures(files.size());
@@ -223,7 +224,7 @@ std::string crop_in_words(const ChosenPicture& picture, const Eigen::Vector2d& a
 }
 
 std::vector<std::pair<std::size_t, std::size_t>> same_pictures(const std::vector<ChosenPicture>& pictures) {
-  constexpr int kSide = 48;  // pixels: enough to tell pictures apart, and too few to tell how they were stored
+  constexpr int kSide = 48;  // pixels: enough to distinguish pictures, and too few to show their compression
   constexpr double kAlike = 0.015;
   std::vector<Image> small;
   small.reserve(pictures.size());
@@ -258,7 +259,7 @@ namespace {
 
 constexpr int kCell = 320, kGap = 12;  // pixels
 
-// The picture, at most a cell wide and high: what is lost darkened, what is kept framed.
+// Draws the picture, at most a cell wide and high, with its lost part darkened and the kept part framed.
 Image framed(const ChosenPicture& p, const Eigen::Vector2d& area_mm) {
   const Image whole = at_most(p.small, kCell);
   const LaidPicture seen = laid(p, area_mm);
@@ -268,7 +269,7 @@ Image framed(const ChosenPicture& p, const Eigen::Vector2d& area_mm) {
   Image out(whole.width, whole.height, 3);
   for (int y = 0; y < whole.height; ++y)
     for (int x = 0; x < whole.width; ++x) {
-      // How far inside of the kept part this pixel is; negative outside.
+      // Distance of this pixel from the edge of the kept part; negative outside.
       const double inside =
           std::min(half.x() - std::abs(x + 0.5 - center.x()), half.y() - std::abs(y + 0.5 - center.y()));
       const bool frame = p.fit == Fit::cover && inside >= 0 && inside < kFrame;
@@ -279,7 +280,7 @@ Image framed(const ChosenPicture& p, const Eigen::Vector2d& area_mm) {
   return out;
 }
 
-// The carve area with the picture on it, a cell wide or high.
+// Draws the carve area with the picture, a cell wide or high.
 Image on_area(const ChosenPicture& p, const Eigen::Vector2d& area_mm) {
   const double scale = kCell / area_mm.maxCoeff();
   const auto side = [&](double mm) { return std::max(2, static_cast<int>(std::lround(mm * scale))); };
@@ -291,7 +292,7 @@ Image on_area(const ChosenPicture& p, const Eigen::Vector2d& area_mm) {
   return load_target(spec, 0, area_mm, side(area_mm.x()), side(area_mm.y())).picture;
 }
 
-// Gray becomes color where `sheet` has more channels.
+// Expands gray to the channels of `sheet`.
 void put(const Image& image, int x0, int y0, Image& sheet) {
   for (int y = 0; y < image.height; ++y)
     for (int x = 0; x < image.width; ++x)

@@ -31,7 +31,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Lenses of one's own are copied; others stand in bench.json itself.
+// A project contains a copy of a calibrated lens; bench.json describes other lenses itself.
 constexpr const char* kLensFile = "camera.cameramodel";
 
 Json bench_json(const NewProject& project) {
@@ -47,7 +47,7 @@ Json bench_json(const NewProject& project) {
   for (std::size_t k = 0; k < project.pictures.size(); ++k)
     json["views"].push_back({{"view", project.pictures[k].view}, {"eye_mm", to_json(project.bench.eyes_mm[k])}});
   json["lights"] = Json::array({Json{{"id", "lamp"}, {"position_mm", to_json(project.bench.lamp_mm)}}});
-  // As tools that cut leave it. A first board that counts on light that adds promises what no metal shows.
+  // For cutting tools. A first design with additive light would predict more than metal can show.
   json["material"] = {{"crossings", "deepest"}};
   return json;
 }
@@ -68,7 +68,7 @@ DesignSpec design_of(const NewProject& project, const fs::path& folder) {
   return spec;
 }
 
-// The machine as loop.toml names it: files from the project's folder.
+// Text of loop.toml, with files relative to the project's folder.
 std::string loop_toml(const NewProject& project) {
   std::string machine = project.machine;
   std::error_code ignored;
@@ -96,19 +96,19 @@ void write_into(const NewProject& project, const fs::path& folder) {
   write_text(loop_toml(project), folder / "loop.toml");
   write_picture(crop_sheet(project.pictures, board.carve_max_mm - board.carve_min_mm), folder / "crops.png");
   write_design(design_of(project, folder), folder / "design.json");
-  // What the other commands will say of it is said now.
+  // Reports errors of the other commands immediately.
   const DesignSpec spec = read_design(folder / "design.json");
   read_bench_of(read_board(spec.board), spec.board, spec.bench);
 }
 
-// Along the longer side: few, but for long boards enough across as well.
+// Pixels along the longer side: few, but enough across a long board.
 int preview_pixels(const Board& board) {
   constexpr double kUsual = 128, kAcross = 64, kMost = 640;
   const Eigen::Vector2d area = board.carve_max_mm - board.carve_min_mm;
   return static_cast<int>(std::clamp(kAcross * area.maxCoeff() / area.minCoeff(), kUsual, kMost));
 }
 
-// A design's few pixels, large enough to be looked at beside the others.
+// Enlarges a design's few pixels for display next to others.
 Image to_look_at(const Image& image, int pictures) {
   constexpr int kLargest = 360, kSmallest = 160, kAll = 1440;
   const double scale =
@@ -117,7 +117,7 @@ Image to_look_at(const Image& image, int pictures) {
                  std::max(1, static_cast<int>(std::lround(image.height * scale))));
 }
 
-// The names above the pictures' columns, which are `gap` apart.
+// Adds names above the pictures' columns, which are `gap` apart.
 Image with_names(const std::vector<Image>& names, const Image& sheet, int gap) {
   Image out(sheet.width, sheet.height + kLabelPx, sheet.channels, 0.15F);
   std::copy(sheet.data.begin(), sheet.data.end(), out.data.end() - static_cast<std::ptrdiff_t>(sheet.data.size()));
@@ -131,10 +131,10 @@ Image with_names(const std::vector<Image>& names, const Image& sheet, int gap) {
   return out;
 }
 
-// What is wrong with a board that shows some of its pictures badly.
+// Explains a board with some bad pictures.
 Finding why_unlike(int unlike, int views, const Board& board) {
   const Eigen::Vector2d area = board.carve_max_mm - board.carve_min_mm;
-  constexpr int kFew = 3;  // pictures that any board has room for
+  constexpr int kFew = 3;  // pictures for which any board has room
   const std::string which = fmt::format("{} of the {} pictures", unlike, views);
   if (views <= kFew)
     return make_warning(
@@ -147,22 +147,22 @@ Finding why_unlike(int unlike, int views, const Board& board) {
       "take a larger board (--board), or fewer pictures: one to three show most");
 }
 
-// A quick design of what is written in `folder`, which is to be `project`, `spent_s` after the work began. Says each
-// view's PSNR in words.
+// Designs the project in `folder`, whose final name is `project`, `spent_s` after the start. Returns each view's PSNR
+// in words.
 std::string preview_project(const fs::path& folder, const fs::path& project, double spent_s) {
   const DesignSpec written = read_design(folder / "design.json");
   const Board board = read_board(written.board);
   const Bench bench = read_bench_of(board, written.board, written.bench);
   DesignSpec spec = written;
   const int views = static_cast<int>(spec.views.size());
-  constexpr int kScratches = 1500, kMostScratches = 6000;  // a view; in all
+  constexpr int kScratches = 1500, kMostScratches = 6000;  // per view; in total
   spec.scratches = std::min({spec.scratches, kScratches * views, kMostScratches});
   DesignOptions options;
   options.pixels = preview_pixels(board);
   options.iterations = 40;
   options.contact_frames = 0;
-  options.note_few_strokes = false;                            // of a first look
-  constexpr double kWhole_s = 11, kUsual_s = 7, kLeast_s = 2;  // of fifteen, on two slower cores
+  options.note_few_strokes = false;                            // not for a preview
+  constexpr double kWhole_s = 11, kUsual_s = 7, kLeast_s = 2;  // of fifteen seconds, on two slower cores
   options.time_limit_s = std::clamp(kWhole_s - spent_s, kLeast_s, kUsual_s);
   ProgressBar bar;
   const DesignResult result = design(spec, board, bench, options, bar.progress());
@@ -197,7 +197,7 @@ std::string preview_project(const fs::path& folder, const fs::path& project, dou
       result.total_seconds, result.eye_from_m * result.eye_px / px, result.eye_px, result.eye_from_m);
 }
 
-// What a project that was being made left when its process died: ".my-board.new-4711".
+// Removes unfinished projects of ended processes: ".my-board.new-4711".
 void remove_stagings_of_dead(const fs::path& parent, const std::string& begin) {
   std::error_code error;
   std::vector<fs::path> left;
@@ -211,8 +211,8 @@ void remove_stagings_of_dead(const fs::path& parent, const std::string& begin) {
   for (const fs::path& folder : left) fs::remove_all(folder, error);
 }
 
-// All at once, where the folder is not there or is empty. One that cannot be replaced (a link, a mounted disk, the one
-// that somebody is in) is filled, design.json last: without it nothing is a project.
+// Renames the whole project if the folder is missing or empty. A folder that cannot be replaced (a link, a mounted
+// disk, a working directory) is filled, with design.json last: a folder without it is no project.
 void put_in_place(const fs::path& staging, const fs::path& folder) {
   std::error_code error;
   note_moved(staging, folder);

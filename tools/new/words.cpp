@@ -27,7 +27,7 @@ std::string trimmed_lower(std::string_view text) {
   return first == std::string::npos ? "" : out.substr(first, last - first + 1);
 }
 
-// "1.2m" in its number and its unit, either of which may be missing.
+// Splits "1.2m" into number and unit; either may be missing.
 struct Measure {
   std::optional<double> number;
   std::string unit;
@@ -67,7 +67,7 @@ void replace_all(std::string& text, std::string_view from, const std::string& to
     text.replace(at, from.size(), to);
 }
 
-// "file:///home/a%20b.png" and "~/a.png" as the names that they stand for.
+// Resolves "file:///home/a%20b.png" and "~/a.png" to file names.
 std::string as_file_name(const std::string& word, bool bare_tilde) {
   constexpr std::string_view kAddress = "file://";
   if (word.starts_with(kAddress)) {
@@ -94,7 +94,8 @@ std::vector<std::string> files_in_words(const std::string& line) {
   std::vector<std::string> files;
   std::string word;
   char quote = 0;
-  bool any = false, bare = true, bare_start = true;  // a word is begun; all of it, and its first letter, stand unquoted
+  // the word exists; it is unquoted as a whole; its first letter is unquoted
+  bool any = false, bare = true, bare_start = true;
   const auto end = [&] {
     const bool is_there = std::filesystem::exists(word);
     if (any && bare && !is_there && word.find(',') != std::string::npos) {
@@ -124,7 +125,7 @@ std::vector<std::string> files_in_words(const std::string& line) {
       quote = quote == 0 ? c : '\0';
     else
       word += c;
-    // A quoted name that a comma follows.
+    // A quoted name before a comma.
     if (quote == 0 && !bare && !escape && !quotes && c == ',' && (i + 1 == line.size() || line[i + 1] == ' '))
       word.pop_back();
   }
@@ -157,7 +158,7 @@ Eigen::Vector2d size_in_words(const std::string& text, const std::string& what) 
   const std::vector<std::string> sides = split(word, 'x');
   if (sides.size() != 2) fail(what, "\"" + text + "\" is no width and height", remedy);
   const Measure width = measure_in(sides[0]), height = measure_in(sides[1]);
-  const std::string& shared = height.unit;  // "20x15cm" means both
+  const std::string& shared = height.unit;  // "20x15cm" has one unit for both
   const std::optional<double> height_unit = shared.empty() ? 1.0 : unit_mm(shared),
                               width_unit = width.unit.empty() ? height_unit : unit_mm(width.unit);
   if (!width.number || !height.number || !width_unit || !height_unit || (shared.empty() && !width.unit.empty()))
@@ -230,7 +231,7 @@ SaidCamera camera_of_photo(const std::filesystem::path& file) {
       "say the focal length as on film instead: --camera 26mm for a phone's main camera, 50mm, ...";
   std::optional<double> focal = exif.focal_35mm;
   if (!focal && exif.focal_mm && exif.sensor_width_mm) {
-    // As EXIF counts it: by the diagonals.
+    // EXIF defines it by the diagonals.
     const double width = *exif.sensor_width_mm,
                  height = width * std::min(exif.width, exif.height) / std::max(exif.width, exif.height);
     focal = *exif.focal_mm * std::hypot(36.0, 24.0) / std::hypot(width, height);
@@ -248,7 +249,7 @@ SaidCamera camera_of_photo(const std::filesystem::path& file) {
   if (*focal < kWidest || *focal > kLongest || exif.width < 16 || exif.height < 16)
     fail(file.string(), fmt::format("says a focal length of {:.3g} mm as on film, which no camera has", *focal),
          instead);
-  // To a hundredth, as bench.json has it.
+  // bench.json has two decimals.
   return nominal(std::round(*focal * 100) / 100, exif.width, exif.height, name);
 }
 
