@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// "02-design" among the folders of former/.
+// Returns true for "02-design" among the folders of former/.
 bool is_former(const fs::path& folder, StageKind stage) {
   const std::string name = folder.filename().string();
   const std::size_t dash = name.find('-');
@@ -34,15 +34,15 @@ fs::path new_folder(const fs::path& former, const char* stage) {
   }
 }
 
-// Made from the same, to its end, and not edited later. What else was kept then does not matter: the inputs are again
-// those that it was made from.
+// Returns true for a finished result of the same inputs without later edits. Other accepted differences do not matter,
+// because the inputs are again the original ones.
 bool is_the_same(const MadeRecord& former, const MadeRecord& begun) {
   return former.status == MadeRecord::Status::done && former.stage == begun.stage && former.burin == begun.burin &&
          former.options == begun.options && former.inputs == begun.inputs && former.kept.outputs.empty() &&
          !former.outputs.empty();
 }
 
-// The files of `former` as they lie in `aside`, and where they belong; none if one is missing or another by now.
+// Returns the files of `former` in `aside`, and their targets; none if one is missing or changed.
 std::vector<std::pair<fs::path, fs::path>> whole_files(const MadeRecord& former, const fs::path& aside,
                                                        const LoopProject& loop, const fs::path& folder,
                                                        ContentHashes& hashes) {
@@ -62,7 +62,7 @@ void move_to(const fs::path& aside, const fs::path& file, const fs::path& folder
   fs::rename(file, to);
 }
 
-// What the last move of this stage's files left behind: files that its record has, with the same contents.
+// Completes the latest move of this stage: files in its record with the same contents.
 void complete_last_move(const LoopProject& loop, const StageOfRound& at, ContentHashes& hashes) {
   const fs::path folder = folder_of(loop.project, at);
   fs::path last;
@@ -90,7 +90,7 @@ fs::path begin_stage(const LoopProject& loop, const StageOfRound& at, const Made
   const bool not_ended = before && before->status == MadeRecord::Status::begun;
   if (not_ended) complete_last_move(loop, at, hashes);
   std::vector<fs::path> files = outputs_of(loop, at);
-  // Part of a result that nobody was given; or the page of a check that said not to carve.
+  // An unused partial result, or the page of a refused check.
   if (not_ended && (at.stage == StageKind::check || !has_result(loop, at))) {
     for (const fs::path& file : files) fs::remove(file);
     files.clear();
@@ -130,7 +130,7 @@ fs::path restore_former(const LoopProject& loop, const StageOfRound& at, const M
     files = std::move(found);
   }
   if (!record) return {};
-  // Copied, and removed behind the record: what is cut off leaves the former result whole.
+  // Copied first, and removed after the record: an interruption leaves the former result complete.
   for (const auto& [file, place] : files) {
     make_output_folder(place.parent_path());
     copy_whole(file, place);

@@ -16,8 +16,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The board.json that a round's board was carved from; the one that was moved aside last where making it anew was cut
-// off. Empty: there is none.
+// Returns the board.json of a round's carved board. After an interrupted repetition, it is the latest moved one. Empty:
+// none.
 fs::path carved_board_file(const fs::path& round) {
   if (fs::exists(round / "board.json")) return round / "board.json";
   fs::path last;
@@ -30,7 +30,7 @@ fs::path carved_board_file(const fs::path& round) {
 
 void compare_told(const char* field, double now, const std::optional<double>& then, const fs::path& told,
                   std::vector<ToldOtherwise>& out) {
-  constexpr double kSame = 1e-9;  // as burin/scene/bench_of_board.h
+  constexpr double kSame = 1e-9;  // as in burin/scene/bench_of_board.h
   if (!then || std::abs(now - *then) <= kSame * std::max(std::abs(now), std::abs(*then))) return;
   if (std::none_of(out.begin(), out.end(), [&](const ToldOtherwise& other) { return other.field == field; }))
     out.push_back({field, now, *then, told});
@@ -56,7 +56,7 @@ std::vector<ToldOtherwise> told_otherwise(const Project& project, int round) {
   try {
     const Bench bench = read_bench(measured);
     compare(bench.told.tool_width_um, bench.told.depth_um, bench.told.alpha, measured);
-  } catch (const Error&) {  // what reads it next says what is wrong with it
+  } catch (const Error&) {  // the next reader of the file reports its error
   }
   return out;
 }

@@ -27,7 +27,7 @@ using AddOptions = std::shared_ptr<void> (*)(CLI::App&);
 
 fs::path options_file(const fs::path& project) { return project / "loop.toml"; }
 
-// One command's options, parsed and thrown away: what they are, and whether a table of them is one.
+// Parser of one command's options, for their names and for the check of a table.
 struct Parser {
   explicit Parser(AddOptions add) : values(add(app)) {}
   const CLI::Option* option(const std::string& name) const { return app.get_option_no_throw("--" + name); }
@@ -39,7 +39,7 @@ struct Parser {
 std::vector<std::string> words_of(const CommandOptions& options) {
   std::vector<std::string> words;
   for (const auto& [name, values] : options) {
-    // "--rate=-1": a value that begins with a dash is no option.
+    // "--rate=-1": a value with a leading dash is no option.
     words.push_back("--" + name + (values.size() == 1 ? "=" + values.front() : ""));
     if (values.size() > 1) words.insert(words.end(), values.begin(), values.end());
   }
@@ -81,11 +81,11 @@ CommandOptions read_command(JsonObject& root, const std::string& command, AddOpt
   return options;
 }
 
-// As the command itself would judge them.
+// Applies the command's own checks.
 void check_command(const CommandOptions& options, const std::string& command, AddOptions add, const fs::path& file) {
   Parser parser(add);
   std::vector<std::string> words = words_of(options);
-  std::reverse(words.begin(), words.end());  // CLI11 takes them as a stack
+  std::reverse(words.begin(), words.end());  // CLI11 takes a stack
   try {
     parser.app.parse(words);
   } catch (const CLI::ParseError& error) {
@@ -93,12 +93,12 @@ void check_command(const CommandOptions& options, const std::string& command, Ad
   }
 }
 
-// A machine that is no built-in's name.
+// Returns true for a machine without a built-in's name.
 bool is_file_name(const std::string& machine, const fs::path& from) {
   return machine.find_first_of("/.") != std::string::npos || fs::is_regular_file(from / machine);
 }
 
-// Those that were given on this command line, files named from the project.
+// Returns the options of this command line, with files relative to the project.
 CommandOptions said_of(const CLI::App& group, const fs::path& project) {
   CommandOptions said;
   for (const CLI::Option* option : group.get_options()) {
@@ -119,7 +119,7 @@ std::string toml_value(const std::vector<std::string>& values) {
   std::string out;
   for (const std::string& value : values) {
     const std::optional<double> number = number_in(value);
-    const bool plain = number && shortest(*number) == value;  // reads back as the same text
+    const bool plain = number && shortest(*number) == value;  // converts back to the same text
     out += (out.empty() ? "" : ", ") + (plain ? value : toml_text(value));
   }
   return values.size() == 1 ? out : "[" + out + "]";
@@ -177,7 +177,7 @@ LoopOptions read_options_file(const fs::path& file) {
   return options;
 }
 
-// The same of a text that has another name until it is looked at; errors name the file that it is to be.
+// Reads a file under its temporary name; errors have its final name.
 LoopOptions read_options_part(const fs::path& part, const fs::path& file) {
   try {
     return read_options_file(part);
@@ -213,7 +213,7 @@ void add_loop_options(CLI::App& command, LoopCommandLine& said) {
 
 namespace {
 
-// "300x180" as loop.toml has it, from work zero.
+// Converts "300x180" to a value for loop.toml, from work zero.
 std::string toml_travel(const std::string& words) {
   if (words == "unknown") return toml_text(words);
   const Eigen::Vector2d far_mm = size_in_words(words, "the machine's reach");
@@ -228,7 +228,7 @@ LoopOptions remember_options(const LoopCommandLine& said, const fs::path& projec
   LoopOptions wanted = before;
   if (!said.machine.empty())
     wanted.machine = is_file_name(said.machine, ".") ? path_in_project(project, said.machine) : said.machine;
-  // A file beside loop.toml needs something that tells it from a built-in's name.
+  // The prefix distinguishes a file next to loop.toml from a built-in name.
   if (wanted.machine != before.machine && is_file_name(said.machine, ".") && !is_file_name(wanted.machine, project))
     wanted.machine = "./" + wanted.machine;
   for (const auto& [name, values] : said_of(*said.design, project)) wanted.design[name] = values;

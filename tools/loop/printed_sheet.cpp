@@ -20,7 +20,7 @@ std::string place_text(const Eigen::Vector3d& p_mm) {
   return fmt::format("{:.1f} {:.1f} {:.1f}", p_mm.x(), p_mm.y(), p_mm.z());
 }
 
-// Nobody stands more exactly than that by a drawing.
+// People cannot use a drawing with higher accuracy.
 bool is_same_place(const std::string& a, const std::string& b) {
   constexpr double kSame_mm = 5;
   Eigen::Vector3d p, q;
@@ -30,7 +30,7 @@ bool is_same_place(const std::string& a, const std::string& b) {
 
 constexpr const char* kScratches = "scratches";
 
-// What a sheet shows, by name.
+// Returns the values on a sheet, by name.
 OptionTexts shown_on_sheet(const WantedBench& wanted) {
   OptionTexts out;
   for (const DesignView& view : wanted.design.views) {
@@ -73,7 +73,7 @@ std::string changed_since_sheet(const Project& project) {
              (name == kScratches ? "the scratches, for which its photos are planned" : "the place of " + name);
     }
     return out;
-  } catch (const Error&) {  // a file that is being edited: what reads it next says what is wrong with it
+  } catch (const Error&) {  // a file during editing: its next reader reports the error
     return "";
   }
 }

@@ -29,13 +29,13 @@ std::optional<RoundDepth> depth_of_round(const Project& project, const LoopOptio
   if (std::abs(out.made_um - out.told_um) <= std::max(kSigmas * out.sigma_um, kAlike * out.told_um))
     return std::nullopt;
   const double gain = out.made_um / out.told_um;
-  double least_um = 0, most_um = 1e9;  // that the machine can be told
+  double least_um = 0, most_um = 1e9;  // range of the machine's commanded depths
   const MachineProfile machine = machine_profile(machine_argument(options, project.folder));
   if (machine.depth_by != DepthBy::fixed_z && !machine.depth_table.rows.empty()) {
     least_um = machine.depth_table.rows.front().depth_um;
     most_um = machine.depth_table.rows.back().depth_um;
   }
-  // Whole hundredths of a um, within what the machine can be told.
+  // Rounded to 0.01 um, within the machine's range.
   constexpr double kRounding = 100;
   out.depth_um = std::round(kRounding * out.wanted_um) / kRounding;
   if (out.depth_um > most_um * gain) out.depth_um = std::floor(kRounding * most_um * gain) / kRounding;

@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 void write_round_design(const Project& project, int number, const fs::path& file) {
   DesignSpec spec = read_design(project.folder / "design.json");
-  if (number > 1) {  // what was measured, under the names of the design
+  if (number > 1) {  // the measured bench with the design's names
     const fs::path measured = project.bench_before(number), named = file.parent_path() / "bench-before.json";
     const Matching matching = match_round(project, number - 1);
     require_complete(matching, measured);
@@ -67,7 +67,7 @@ void require_among(const std::string& option, const std::string& name, const std
     fail(option, fmt::format("\"{}\" is no name of {}", name, whose), fmt::format("choose among {}", listed(names)));
 }
 
-// What is said by one option, beside what is kept; "middle=" unsays it.
+// Adds the names of one option to the stored ones; "middle=" removes one.
 void say_names(const std::string& option, const std::vector<std::string>& said, const std::set<std::string>& designed,
                const std::set<std::string>& measured, std::map<std::string, std::string>& names) {
   std::map<std::string, std::string> pairs;

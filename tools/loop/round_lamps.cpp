@@ -20,7 +20,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The lamps that a bench names. One that cannot be read names none: whoever uses it says what is wrong.
+// Returns the lamps of a bench. An unreadable one gives none: its user reports the error.
 std::vector<std::string> lamps_named(const fs::path& bench) {
   std::vector<std::string> out;
   if (!fs::is_regular_file(bench)) return out;
@@ -113,7 +113,7 @@ std::string photo_folders_in_words(const Project& project, int round) {
   std::vector<std::string> lamps;
   try {
     lamps = lamps_of_round(project, round);
-  } catch (const Error&) {  // whoever uses the design or its bench says what is wrong with them
+  } catch (const Error&) {  // the user of the design or its bench reports the error
   }
   if (lamps.size() < 2) return folder.string();
   return lamp_folders_in_words(folder, lamps) + ", each into that of the lamp that shone on it alone";

@@ -30,7 +30,7 @@ namespace fs = std::filesystem;
 
 using Condition = StageState::Condition;
 
-// The G-code in carving order: one file, or its parts.
+// Returns the G-code in carving order: one file, or its parts.
 std::string gcode_of(const LoopProject& loop, int round) {
   std::string first;
   int count = 0;
@@ -42,17 +42,17 @@ std::string gcode_of(const LoopProject& loop, int round) {
   return count == 1 ? first : fmt::format("{} and the {} further board*.gcode", first, count - 1);
 }
 
-// What may be answered to a stage's question.
+// Possible answers to a stage's question.
 struct PossibleAnswers {
   bool again = false, keep = false;
 };
 
-// What a carved board was told otherwise than board.json says now, where that is why its stage is out of date.
+// Returns the values of board.json that differ from the carved board, if they made its stage outdated.
 std::vector<ToldOtherwise> carved_otherwise(const LoopProject& loop, const StageState& state) {
   if (state.at.stage != StageKind::board || !state.photographed) return {};
   try {
     return told_otherwise(loop.project, state.at.round);
-  } catch (const Error&) {  // a board.json that is being edited: what reads it next says what is wrong with it
+  } catch (const Error&) {  // a board.json during editing: its next reader reports the error
     return {};
   }
 }
@@ -63,7 +63,7 @@ PossibleAnswers answers_to(const LoopProject& loop, const StageState& state) {
   return {!metal && carved_otherwise(loop, state).empty(), has_result(loop, state.at)};
 }
 
-// Why the loop would not design that round's board now; empty if it would.
+// Returns the reason against a design of that round's board; empty if there is none.
 std::string why_not_designed(const LoopProject& loop, int round) {
   try {
     if (round > 1)
@@ -82,7 +82,7 @@ std::string why_not_designed(const LoopProject& loop, int round) {
   return "";
 }
 
-// The next thing to do with a stage that is made without a question.
+// Returns the next step of a stage that needs no question.
 std::string next_of_stage(const LoopProject& loop, const StageState& state) {
   if (state.at.stage == StageKind::design)
     if (std::string why_not = why_not_designed(loop, state.at.round); !why_not.empty()) return why_not;
@@ -96,7 +96,7 @@ std::string next_of_stage(const LoopProject& loop, const StageState& state) {
   return next;
 }
 
-// Whether all stages of a round are done, and there is nothing to say of any.
+// Returns true if all stages of a round are done and need no message.
 bool is_whole(const std::vector<StageState>& states, int round) {
   return std::all_of(states.begin(), states.end(), [&](const StageState& state) {
     return state.at.round != round ||
@@ -105,7 +105,7 @@ bool is_whole(const std::vector<StageState>& states, int round) {
   });
 }
 
-// Before the first board: of what the design shows, pictures that few would recognize. Empty: none.
+// Before the first board, lists pictures of the design that are hard to recognize. Empty: none.
 std::string not_yet(const LoopProject& loop, int round) {
   const std::vector<std::string> views = unreadable_views(loop.project.round(round) / "design");
   if (round > 1 || views.empty()) return "";
@@ -291,7 +291,7 @@ std::string next_of(const LoopProject& loop, const std::vector<StageState>& stat
 
 std::optional<NextBoard> last_board(const Project& project) {
   const std::optional<RoundsQuality> rounds = read_rounds(project.folder / "rounds.json");
-  if (!rounds || static_cast<int>(rounds->size()) != next_to_carve(project)) return std::nullopt;  // of another day
+  if (!rounds || static_cast<int>(rounds->size()) != next_to_carve(project)) return std::nullopt;  // outdated
   const std::optional<NextBoard> next = next_board(*rounds);
   return next && is_last(*next) ? next : std::nullopt;
 }

@@ -33,7 +33,7 @@ void run_step(const std::vector<std::string>& arguments) {
   run_command(arguments);
 }
 
-// All regular files below a folder but hidden ones; none if it is not there.
+// Returns all regular files below a folder except hidden ones; none for a missing folder.
 std::vector<fs::path> files_below(const fs::path& folder) {
   std::vector<fs::path> files;
   std::error_code error;
@@ -43,12 +43,12 @@ std::vector<fs::path> files_below(const fs::path& folder) {
   return files;
 }
 
-// What is in a file that a person may have edited: no object where it cannot be understood.
+// Parses a file that the user may have edited; no object if it is invalid.
 Json json_or_broken(const fs::path& file) {
   return Json::parse(read_bytes(file, limit::kJsonBytes, "a JSON file"), nullptr, false);
 }
 
-// A bench and the lens that it names. A bench that cannot be read names none: whoever uses it says what is wrong.
+// Adds a bench and its lens. An unreadable bench adds no lens: its user reports the error.
 void add_bench(const fs::path& bench, std::set<fs::path>& files) {
   files.insert(bench);
   if (!fs::exists(bench)) return;
@@ -71,7 +71,7 @@ std::set<fs::path> design_basis(const LoopProject& loop, int round) {
   add_bench(spec.bench, files);
   if (round > 1) {
     add_bench(project.bench_before(round), files);
-    for (const char* file : {"names.json", "design/design-report.json"})  // which measured view is the designed one
+    for (const char* file : {"names.json", "design/design-report.json"})  // matches of measured and designed views
       if (fs::exists(project.round(round - 1) / file)) files.insert(project.round(round - 1) / file);
   }
   add_pictures(spec, files);
@@ -96,7 +96,7 @@ std::set<fs::path> check_basis(const LoopProject& loop, int round) {
   return files;
 }
 
-// What the round has measured, for its page.
+// Returns the round's measured files, for its page.
 std::set<fs::path> report_basis(const LoopProject& loop, int round) {
   const Project& project = loop.project;
   const fs::path folder = project.round(round);
@@ -122,8 +122,8 @@ std::set<fs::path> whole_report_basis(const LoopProject& loop) {
   return files;
 }
 
-// What a second board gains is seen in the pixels of the first. Where grooves turn out to cross otherwise than was
-// believed, a board holds another number of them, and other pixels suit.
+// Returns the resolution of the first board, for a comparison with the second one. A board with another model of
+// crossings holds another number of grooves, and needs another resolution.
 std::optional<int> pixels_of_the_board_before(const Project& project, int number) {
   if (number == 1 ||
       read_bench(project.bench_before(number)).crossings != read_bench(project.bench_before(number - 1)).crossings)
@@ -140,8 +140,7 @@ bool make_design(const LoopProject& loop, int number) {
                                  "--machine", machine_argument(loop.options, project.folder)};
   const std::vector<std::string> options = design_arguments(loop.options, project.folder);
   words.insert(words.end(), options.begin(), options.end());
-  // How far eye and lamp may stand aside: for the page before carving, and to know the photos that were taken from
-  // there.
+  // Tolerances of eye and lamp: for the page before carving, and to identify photos of designed viewpoints.
   if (!loop.options.design.contains("tolerance-mm") && !loop.options.design.contains("report-tolerance"))
     words.emplace_back("--report-tolerance");
   if (const auto pixels = pixels_of_the_board_before(project, number);
@@ -178,11 +177,11 @@ void make_toolpath(const LoopProject& loop, int number) {
   }
   words.insert(words.end(), options.begin(), options.end());
   if (!loop.options.toolpath.contains("frame"))
-    words.emplace_back("--frame");  // to be run in the air before anything is carved
+    words.emplace_back("--frame");  // for a test run in the air before carving
   run_step(words);
 }
 
-// Ends in an error where a red line is on the page: the loop goes no further.
+// Throws Error if the page has an error, which stops the loop.
 void make_check(const LoopProject& loop, int number) {
   std::vector<std::string> words{"check", "carve", loop.project.round(number).string(), "--machine",
                                  machine_argument(loop.options, loop.project.folder)};
@@ -197,7 +196,7 @@ void make_board(const Project& project, int number) {
   write_board(board, round / "board.json");
 }
 
-// The workshop: carves what was sent, and photographs it.
+// Simulates the workshop: carves the commanded scratches and photographs them.
 void make_photos(const Project& project, int number) {
   const fs::path round = project.round(number), photos = round / "photos", part = round / "workshop.part";
   fs::remove_all(part);
@@ -207,7 +206,7 @@ void make_photos(const Project& project, int number) {
   const auto whole = finishing();
   sort_by_lamp(part);
   remove_empty_lamp_folders(project, number);
-  fs::remove(photos);  // only ever an empty folder
+  fs::remove(photos);  // always an empty folder
   fs::rename(part / "photos", photos);
   note_moved(part / "photos", photos);
   fs::remove_all(part);
@@ -357,7 +356,7 @@ std::vector<fs::path> outputs_of(const LoopProject& loop, const StageOfRound& at
       break;
     case StageKind::report:
       take(folder / "report.html");
-      take(folder / "rounds.json");  // the whole loop's
+      take(folder / "rounds.json");  // of the whole loop
       break;
   }
   std::sort(files.begin(), files.end());

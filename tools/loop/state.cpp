@@ -16,14 +16,14 @@ using Kind = StageChange::Kind;
 using How = StageChange::How;
 using Condition = StageState::Condition;
 
-// What differs between what was and what is; what was kept counts as what was.
+// Compares recorded files with present ones; accepted changes count as recorded.
 void compare_files(const Project& project, const FileHashes& was, const FileHashes& kept, const FileHashes& now,
                    Kind kind, std::vector<StageChange>& changes) {
   for (const auto& [name, hash] : now) {
     const auto before = was.find(name);
     if (before != was.end() && before->second == hash) continue;
     if (const auto settled = kept.find(name); settled != kept.end() && settled->second == hash) continue;
-    if (before == was.end() && hash.empty()) continue;  // neither then nor now
+    if (before == was.end() && hash.empty()) continue;  // missing then and now
     const How how = hash.empty()                                    ? How::gone
                     : before == was.end() || before->second.empty() ? How::added
                                                                     : How::changed;
@@ -54,7 +54,7 @@ void compare_options(const MadeRecord& record, const OptionTexts& now, std::vect
   }
 }
 
-// Where what it would be made from now cannot be told, the same files as then.
+// Returns the present inputs or, if they are unknown, the recorded ones.
 StageBasis basis_now(const LoopProject& loop, const StageOfRound& at, const MadeRecord& record) {
   try {
     return basis_of(loop, at);
@@ -75,8 +75,8 @@ std::string list_of(const std::vector<std::string>& names) {
 
 bool is_in_the_metal(StageKind stage) { return stage == StageKind::design || stage == StageKind::toolpath; }
 
-// A carving stage before `state` in its round that is still to be made, or was ended early: what this one will be made
-// from is not known yet.
+// Returns true if an earlier carving stage of the round is to be made or was ended early. The inputs of this one are
+// then unknown.
 bool waits_for_another(const StageState& state, const std::vector<StageState>& states) {
   return is_carving(state.at.stage) && std::any_of(states.begin(), states.end(), [&](const StageState& other) {
            return other.at.round == state.at.round && is_carving(other.at.stage) && other.at.stage < state.at.stage &&
@@ -104,7 +104,7 @@ std::vector<StageState> without_followers(const std::vector<StageState>& asking)
   };
   std::vector<StageState> first;
   for (const StageState& state : asking) {
-    // What misses nothing but a file of the stage before is made anew with it.
+    // A stage that lacks only files of the stage before is repeated with it.
     const bool misses = std::all_of(state.changes.begin(), state.changes.end(), [](const StageChange& change) {
       return change.kind == Kind::input && change.how == How::gone;
     });
@@ -152,7 +152,7 @@ StageState state_of(const LoopProject& loop, const StageOfRound& at, ContentHash
   state.photographed = at.round > 0 && is_photographed(loop.project, at.round);
   state.record = read_record(record_file(loop.project, at));
   if (!state.record) {
-    // A person's photos are not made by anything.
+    // No command makes the user's photos.
     const bool photos = at.stage == StageKind::photos;
     state.condition = !has_result(loop, at) ? Condition::not_begun : photos ? Condition::done : Condition::not_recorded;
     return state;
@@ -184,11 +184,11 @@ std::vector<StageState> states_of(const LoopProject& loop, ContentHashes& hashes
 }
 
 bool needs_answer(const StageState& state) {
-  // Pages to look at: what was there is moved aside.
+  // Pages for reading: an earlier one is moved.
   if (state.at.stage == StageKind::report || state.at.stage == StageKind::check) return false;
   if (state.condition == Condition::not_recorded) return true;
   if (state.condition != Condition::done || state.changes.empty()) return false;
-  if (state.at.stage == StageKind::photos) return false;  // what was photographed is
+  if (state.at.stage == StageKind::photos) return false;  // photos remain valid
   if (state.changed(Kind::output)) return true;
   if (is_in_the_metal(state.at.stage) && state.photographed) return false;  // as it was carved
   return is_carving(state.at.stage) && !follows(state);
@@ -206,7 +206,7 @@ bool needs_answer_now(const StageState& state, const std::vector<StageState>& st
 
 bool is_made_by_itself(const StageState& state) {
   if (needs_answer(state)) return false;
-  if (state.at.stage == StageKind::check && state.photographed) return false;  // too late to be warned
+  if (state.at.stage == StageKind::check && state.photographed) return false;  // too late for a warning
   if (state.condition != Condition::done) return true;
   if (state.changes.empty() || state.at.stage == StageKind::photos) return false;
   return !(is_in_the_metal(state.at.stage) && state.photographed);
@@ -229,7 +229,7 @@ std::string in_words(const std::vector<StageChange>& changes) {
                                           {Kind::output, How::gone, "is gone", "are gone"}}};
   for (const Group& group : kGroups) {
     std::vector<std::string> names;
-    std::vector<std::string> pages;  // which `burin check carve` and `burin report` write, too
+    std::vector<std::string> pages;  // `burin check carve` and `burin report` write them too
     for (const StageChange& change : changes)
       if (change.kind == group.kind && change.how == group.how)
         (change.kind == Kind::output && change.how == How::changed && change.name.ends_with(".html") ? pages : names)

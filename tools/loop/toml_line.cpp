@@ -23,7 +23,7 @@ std::string with_toml_value(const std::string& text, const std::string& table, c
   const std::string wanted = key + " = " + value;
   std::string in;
   bool table_seen = table.empty();
-  std::size_t last = 0;  // behind the table's last line that says something
+  std::size_t last = 0;  // behind the last non-empty line of the table
   for (std::size_t i = 0; i < lines.size(); ++i) {
     const std::string line = trimmed(lines[i]);
     if (line.starts_with('[')) in = trimmed(line.substr(1, line.find(']') - 1));

@@ -32,7 +32,7 @@ struct Turn {
   bool some_done = false, said = false;
 };
 
-// What an --again names. Throws Error for what is none, and for what is in the metal.
+// Parses an --again. Throws Error for an unknown stage, and for a carved one.
 StageOfRound stage_of(const LoopProject& loop, const std::string& words) {
   const Project& project = loop.project;
   const std::size_t slash = words.find('/');
@@ -64,7 +64,7 @@ StageOfRound stage_of(const LoopProject& loop, const std::string& words) {
   return at;
 }
 
-// Stages behind one that is made anew follow it in the same round.
+// Returns true for a stage behind a repeated one of the same round.
 bool follows_one_made_anew(const Turn& turn, const StageOfRound& at) {
   return std::any_of(turn.again.begin(), turn.again.end(), [&](const StageOfRound& again) {
     return again.round == at.round && is_carving(again.stage) && is_carving(at.stage) && again.stage <= at.stage;
@@ -82,7 +82,7 @@ bool can_be_kept(const Turn& turn, const StageState& state) {
   return is_open(turn, state) && has_result(turn.loop, state.at);
 }
 
-// Writes down that what is there is to be gone on with.
+// Records the present state as accepted.
 void keep(Turn& turn, const StageState& state) {
   const LoopProject& loop = turn.loop;
   if (state.condition == Condition::interrupted) finish_design(loop, state.at.round);
@@ -122,7 +122,7 @@ void keep(Turn& turn, const StageState& state) {
              state.changes.empty() ? in_words(state) : in_words(state.changes));
 }
 
-// What a person has to decide before anything is done. Throws Error for what is not decided.
+// Collects the user's decisions before any work. Throws Error for missing ones.
 void settle(Turn& turn) {
   const std::vector<StageState> states = states_of(turn.loop, turn.hashes);
   const bool begun = std::any_of(states.begin(), states.end(),
@@ -138,7 +138,7 @@ void settle(Turn& turn) {
       open.push_back(state);
   }
   const auto carving = [](const StageState& state) { return is_carving(state.at.stage); };
-  // What would be refused whatever is answered, before anything is asked or kept.
+  // Errors that no answer avoids come before any question.
   if (!open.empty() || std::any_of(kept.begin(), kept.end(), carving)) require_one_truth_to_carve(turn.loop.project);
   if (!open.empty()) {
     std::fflush(stdout);
@@ -147,12 +147,12 @@ void settle(Turn& turn) {
   }
   for (const StageState& asked : kept) {
     const StageState state = state_of(turn.loop, asked.at, turn.hashes);
-    const bool follows_now = follows(state) && !follows(asked);  // what was just kept before it is another one
+    const bool follows_now = follows(state) && !follows(asked);  // an accepted stage before it changed the question
     if (can_be_kept(turn, state) && !follows_now) keep(turn, state);
   }
 }
 
-// Photos without a tool path: which board do they show?
+// Refuses photos without a tool path, since their board is unknown.
 void refuse_early_photos(const Turn& turn, const StageState& state) {
   if (!state.photographed || !(state.at.stage == StageKind::design || state.at.stage == StageKind::toolpath)) return;
   fail((turn.loop.project.round(state.at.round) / "photos").string(),
@@ -161,7 +161,7 @@ void refuse_early_photos(const Turn& turn, const StageState& state) {
        "move the photos out of there until that board is carved, and session.json with them");
 }
 
-// Before another board is designed, the one before must have told what the design rests on.
+// Refuses the next design while the measured round leaves its parameters undetermined.
 void refuse_unknown(Turn& turn, int round) {
   const LoopProject& loop = turn.loop;
   const ToldByRound told = told_by_round(loop, round, turn.answers.accept_unknown);
@@ -189,7 +189,7 @@ void refuse_unknown(Turn& turn, int round) {
   write_record(*record, file);
 }
 
-// All that can refuse a stage is asked before its former result is moved.
+// Checks all reasons to refuse a stage before its former result moves.
 void refuse_before_it_begins(Turn& turn, const StageState& state) {
   const Project& project = turn.loop.project;
   const auto [round, stage] = state.at;
@@ -200,7 +200,7 @@ void refuse_before_it_begins(Turn& turn, const StageState& state) {
   if (stage == StageKind::toolpath) require_one_truth(project, round);
 }
 
-// The same as it was begun? What a person edits while the work runs must not pass for what it was made from.
+// Refuses inputs that changed during the work, because the record would be wrong.
 void refuse_edited_meanwhile(Turn& turn, const StageOfRound& at, const FileHashes& inputs) {
   const FileHashes now = hashes_of(turn.loop.project, basis_of(turn.loop, at).files, turn.hashes);
   for (const auto& [name, hash] : now)
@@ -257,8 +257,7 @@ void make(Turn& turn, const StageState& state) {
                      loop_line(loop.project), time_limit_in_words(loop)));
 }
 
-// One stage as it stands after all before it: nothing to do, made, or a question. False where a person has to go to the
-// workshop.
+// Handles one stage after all before it: no action, work, or a question. Returns false if the user has to act.
 bool turn_stage(Turn& turn, const StageOfRound& at) {
   stop_if_asked();
   const StageState state = state_of(turn.loop, at, turn.hashes);
@@ -271,7 +270,7 @@ bool turn_stage(Turn& turn, const StageOfRound& at) {
     if (photos_of(turn.loop.project, at.round).empty()) {
       if (!workshop) return false;
     } else {
-      return true;  // a workshop that was stopped behind its work
+      return true;  // a simulation that was interrupted after its work
     }
   }
   if (!again && is_open(turn, state)) {
@@ -285,7 +284,7 @@ bool turn_stage(Turn& turn, const StageOfRound& at) {
   return true;
 }
 
-// What is left to a person behind the last stage.
+// Prints the user's tasks after the last stage.
 void say_end(const LoopProject& loop, int round, bool another) {
   const Project& project = loop.project;
   const bool simulated = fs::exists(project.folder / "truth.json");
@@ -322,7 +321,7 @@ void turn_loop(const LoopProject& loop, const LoopAnswers& answers) {
     for (const StageKind stage : kRoundStages)
       if (photographed) photographed = turn_stage(turn, {round, stage});
   --round;
-  // The last round is designed and not yet carved: for the bench as it is, if any board was photographed.
+  // The last round is designed and not carved: for the measured bench, if there are photos.
   turn_stage(turn, {0, StageKind::report});
   say_end(loop, round, answers.another);
 }

@@ -11,7 +11,7 @@
 namespace burin {
 namespace {
 
-// The next board cannot be designed well for one that is known only weakly.
+// A weakly determined value of these is insufficient for the next design.
 bool must_be_determined(const std::string& name, const std::set<std::string>& lamps) {
   return name == parameter::kDepth || std::any_of(lamps.begin(), lamps.end(), [&](const std::string& lamp) {
            return name == parameter::light_position(lamp);
@@ -24,7 +24,7 @@ std::string how_far_known(const Verdict& verdict) {
   return verdict.known() ? "determined only weakly" : "not determined";
 }
 
-// The lamps of the next design, as the round's measured bench calls them.
+// Returns the lamps of the next design, by their names in the round's measured bench.
 std::set<std::string> lamps_used(const Project& project, int round) {
   std::set<std::string> lamps;
   for (const Match& match : match_round(project, round).lamps)
