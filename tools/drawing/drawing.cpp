@@ -45,10 +45,10 @@ void add_drawing(Drawing& drawing, const Drawing& other, const Eigen::Vector2d& 
 }
 
 double words_width_mm(std::string_view text, double size_mm, bool bold) {
-  // Widths of the widest usual sans-serif (DejaVu Sans), in em.
+  // Glyph widths of the widest common sans-serif font (DejaVu Sans), in em.
   double em = 0;
   for (const char c : text) {
-    if ((static_cast<unsigned char>(c) & 0xC0) == 0x80) continue;  // a further byte of one letter
+    if ((static_cast<unsigned char>(c) & 0xC0) == 0x80) continue;  // a continuation byte
     if (std::string_view("iljI|.,:;'!()[] ").find(c) != std::string_view::npos)
       em += 0.38;
     else if (std::string_view("mwMW@%").find(c) != std::string_view::npos)
@@ -61,7 +61,7 @@ double words_width_mm(std::string_view text, double size_mm, bool bold) {
 
 namespace {
 
-// How many bytes of the text are at most so long, letters whole; one letter at least.
+// Returns the number of bytes that fit the width, in whole letters; at least one letter.
 std::size_t bytes_within(const std::string& text, double size_mm, double width_mm, bool bold) {
   std::size_t end = 0;
   while (end < text.size()) {
@@ -111,7 +111,7 @@ std::vector<std::string> wrapped(std::string_view text, double size_mm, double w
 
 std::vector<Eigen::Vector2d> clipped(const std::vector<Eigen::Vector2d>& polygon, const Eigen::Vector2d& low,
                                      const Eigen::Vector2d& high) {
-  // Sutherland and Hodgman 1974: one side of the rectangle after the other.
+  // Algorithm: Sutherland and Hodgman 1974, one side of the rectangle after the other.
   std::vector<Eigen::Vector2d> out = polygon;
   for (int axis = 0; axis < 2; ++axis)
     for (const double side : {1.0, -1.0}) {

@@ -21,7 +21,7 @@ namespace {
 
 constexpr double kPointsPerMm = 72 / 25.4;
 
-// Bytes that are no UTF-8 (a folder's name may have some) would end the whole page in an error.
+// Replaces invalid UTF-8, which a folder's name may contain: it would make the whole page fail.
 std::string as_utf8(const std::string& text) {
   std::string out;
   for (std::size_t i = 0; i < text.size();) {
@@ -86,7 +86,7 @@ void draw(cairo_t* cairo, const Shape& shape) {
 
 void draw(cairo_t* cairo, const Words& words) {
   const std::string text = as_utf8(words.text);
-  // Where there is no font at all, cairo draws letters of its own.
+  // Without any font, cairo draws its own letters.
   cairo_select_font_face(cairo, "sans-serif", CAIRO_FONT_SLANT_NORMAL,
                          words.bold ? CAIRO_FONT_WEIGHT_BOLD : CAIRO_FONT_WEIGHT_NORMAL);
   cairo_set_font_size(cairo, words.size_mm);
@@ -108,7 +108,7 @@ cairo_status_t append(void* out, const unsigned char* data, unsigned int length)
   return CAIRO_STATUS_SUCCESS;
 }
 
-// The dictionary of the object that `number` names, with its brackets; empty if there is none.
+// Returns the dictionary of object `number`, with its brackets; empty if there is none.
 std::string dictionary_of(const std::string& bytes, const std::string& number) {
   const std::size_t object = bytes.find("\n" + number + " 0 obj"), from = bytes.find("<<", object),
                     to = bytes.find("endobj", object);
@@ -116,8 +116,8 @@ std::string dictionary_of(const std::string& bytes, const std::string& number) {
   return bytes.substr(from, bytes.rfind(">>", to) + 2 - from);
 }
 
-// Cairo has no words for a viewer's preferences. They are appended as PDF has changes appended (ISO 32000-1, 7.5.6):
-// the catalog once more, with them, and where it lies.
+// Cairo has no function for viewer preferences. They are appended as an incremental update of the PDF (ISO 32000-1,
+// 7.5.6): the extended catalog and its offset.
 std::string with_true_size(std::string bytes) {
   const std::size_t start = bytes.rfind("startxref"), trailer = bytes.rfind("trailer"),
                     root = bytes.find("/Root ", trailer);
@@ -157,7 +157,7 @@ std::string pdf(std::span<const Drawing> pages, const PdfPaper& paper) {
   cairo_pdf_surface_restrict_to_version(surface.get(), CAIRO_PDF_VERSION_1_4);
   cairo_pdf_surface_set_metadata(surface.get(), CAIRO_PDF_METADATA_TITLE, as_utf8(paper.title).c_str());
   cairo_pdf_surface_set_metadata(surface.get(), CAIRO_PDF_METADATA_CREATOR, "burin " BURIN_VERSION);
-  // A date of the clock would make every file another one.
+  // The present date would make every file different.
   cairo_pdf_surface_set_metadata(surface.get(), CAIRO_PDF_METADATA_CREATE_DATE, "2000-01-01T00:00:00Z");
   const std::unique_ptr<cairo_t, decltype(&cairo_destroy)> cairo(cairo_create(surface.get()), cairo_destroy);
   cairo_scale(cairo.get(), kPointsPerMm * paper.stretch.x(), kPointsPerMm * paper.stretch.y());
@@ -187,7 +187,7 @@ Image drawn(const Drawing& drawing, double px_per_mm) {
     for (int x = 0; x < out.width; ++x) {
       std::uint32_t pixel = 0;
       std::memcpy(&pixel, bytes + static_cast<std::ptrdiff_t>(y) * stride + 4 * x, sizeof pixel);
-      out.at(x, y) = static_cast<float>((pixel >> 8U) & 0xFFU) / 255;  // green stands for gray
+      out.at(x, y) = static_cast<float>((pixel >> 8U) & 0xFFU) / 255;  // the image is gray, so green is enough
     }
   return out;
 }
