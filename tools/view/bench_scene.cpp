@@ -12,13 +12,13 @@
 namespace burin {
 namespace {
 
-// Where the rays through the middles of the picture's four sides go, as slopes: how wide the camera sees.
+// Returns the field of view: slopes of the rays through the centers of the picture's sides.
 Json field_of_view(const Lens& lens) {
   if (lens.intrinsics.size() < 2 || !(lens.intrinsics[0] > 0) || !(lens.intrinsics[1] > 0)) return {0.4, 0.3};
   return {0.5 * lens.width / lens.intrinsics[0], 0.5 * lens.height / lens.intrinsics[1]};
 }
 
-// The three half axes of what an eye may move by before its picture is lost: sideways, up, in depth (tolerance.h).
+// Returns the three half axes of an eye's tolerance: sideways, up, in depth (tolerance.h).
 Json tolerance_axes(const PlaceTolerance& t, const Eigen::Vector3d& eye, const Eigen::Vector3d& middle) {
   const Eigen::Vector3d away = (eye - middle).normalized();
   Eigen::Vector3d sideways = Eigen::Vector3d::UnitZ().cross(away);

@@ -11,7 +11,7 @@
 namespace burin {
 namespace {
 
-// A picture's channels times its gains; where they have exposures of their own, `gains` become those that come nearest.
+// Multiplies a picture's channels by its gains. For channels with their own exposures, `gains` become the best ones.
 void balance(const ViewedPicture& picture, Image& radiance, Eigen::Vector3d& gains) {
   const float brightest = percentile(radiance, 0.995);
   if (picture.each_channel && brightest > 0) {

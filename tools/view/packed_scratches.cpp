@@ -34,7 +34,7 @@ std::vector<Piece> pieces_of(const Scratches& s, double longest_mm) {
     const double dx = s.x1_mm[i] - s.x0_mm[i], dy = s.y1_mm[i] - s.y0_mm[i], length = std::hypot(dx, dy);
     if (!(length > 0)) continue;
     const int parts = std::max(1, static_cast<int>(std::ceil(length / longest_mm)));
-    double turn = std::atan2(dy, dx) / std::numbers::pi;  // a groove has no front end: 0 to 1 for 180 degrees
+    double turn = std::atan2(dy, dx) / std::numbers::pi;  // a groove's direction has no sign: 0 to 1 for 180 degrees
     turn -= std::floor(turn);
     for (int k = 0; k < parts; ++k) {
       const double at = (k + 0.5) / parts;

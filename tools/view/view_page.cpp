@@ -22,9 +22,8 @@ namespace {
 
 constexpr int kFlatSide_px = 320;
 
-// How long a piece may be so that its light is straight enough between its ends: the half vector then turns by less
-// than a third of the lobe's width, alpha (docs/model.md 3.4); the error of a straight line is an eighth of that
-// squared.
+// Returns the length of a piece with nearly linear light between its ends. The half vector turns by less than a third
+// of the lobe's width, alpha (docs/model.md 3.4). The error of linear interpolation is an eighth of this, squared.
 double longest_piece_mm(const ViewedBoard& viewed) {
   double nearest = INFINITY;
   for (const View& view : viewed.bench.views)
@@ -45,14 +44,14 @@ Json lens_json(const Lens& lens) {
   return {{"width", lens.width}, {"height", lens.height}, {"fxycxy", fxycxy}, {"k", list}};
 }
 
-// Each view once, with "view under lamp" where several lamps light the same one.
+// The view's name, or "view under lamp" if several lamps light the same view.
 std::string name_of(const ViewedBoard& viewed, const ViewedPicture& picture) {
   const auto same = std::count_if(viewed.pictures.begin(), viewed.pictures.end(),
                                   [&](const ViewedPicture& p) { return p.view == picture.view; });
   return same > 1 ? picture.view + " under " + picture.light : picture.view;
 }
 
-// Of the lights that shine on a picture those that the page draws: lamps; the first where there are none.
+// Returns the lights of a picture that the page draws: its lamps, or the first light if there are none.
 std::vector<std::string> drawn_lights(const Bench& bench, const std::string& joined) {
   std::vector<std::string> out;
   const std::vector<std::string> ids = light_names(joined);
@@ -105,7 +104,7 @@ std::string card(const std::string& name, const ViewedPicture& picture, const Fl
       html(name), pair);
 }
 
-// Replaces each {{name}} of the template; what is put in is not looked at again.
+// Replaces each {{name}} of the template; inserted text is not searched again.
 std::string filled(std::string_view text, const std::map<std::string, std::string>& values) {
   std::string out;
   while (true) {

@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 
 constexpr int kTargetSide_px = 320;
 
-// What the design's views are to show, on the carve area.
+// Returns the targets of the design's views on the carve area.
 std::vector<ViewedPicture> pictures_of(const DesignSpec& spec, const Bench& bench, const Board& board,
                                        const fs::path& design) {
   const BoardFrame frame = board_frame(board.carve_min_mm, board.carve_max_mm, kTargetSide_px);
@@ -58,7 +58,7 @@ Bench bench_for(const fs::path& file, const Board& board, std::vector<Finding>& 
   return bench;
 }
 
-// A round's board as it was designed, on the bench that it was designed for.
+// Returns a round's board as designed, on the bench of its design.
 ViewedBoard designed_round(const Project& project, int number, std::vector<Finding>& findings) {
   const fs::path round = project.round(number);
   const fs::path file = fs::exists(round / "design.json") ? round / "design.json" : project.folder / "design.json";
@@ -72,7 +72,7 @@ ViewedBoard designed_round(const Project& project, int number, std::vector<Findi
   return out;
 }
 
-// The same board as the machine carved it, on the bench as measured; nothing where its views are not matched yet.
+// Returns the same board as carved, on the measured bench; nothing if its views are not matched yet.
 std::optional<ViewedBoard> measured_round(const Project& project, int number, std::vector<Finding>& findings) {
   const fs::path round = project.round(number), design = project.folder / "design.json";
   if (!fs::exists(round / "sent.csv")) return std::nullopt;
@@ -94,7 +94,7 @@ std::optional<ViewedBoard> measured_round(const Project& project, int number, st
   return out;
 }
 
-// The scratches of a project that has no round yet.
+// Returns the scratches of a project without a round.
 fs::path first_scratches(const fs::path& folder, const Board& board) {
   for (const char* name : {"design", "preview"})
     if (fs::exists(folder / name / "scratches.csv")) return folder / name / "scratches.csv";
@@ -102,7 +102,7 @@ fs::path first_scratches(const fs::path& folder, const Board& board) {
   return {};
 }
 
-// Whether these are the few scratches of `burin new`, which leaves a picture of them beside them.
+// Returns true for the preview scratches of `burin new`, which are next to their picture.
 bool is_preview(const fs::path& scratches) { return fs::exists(scratches.parent_path() / "preview.png"); }
 
 BoardView first_design(const fs::path& folder, std::vector<Finding>& findings) {
@@ -137,7 +137,7 @@ std::string title_of(const fs::path& path) {
   return name.string();
 }
 
-// Lights that are no lamps are in the small pictures only.
+// Only the small pictures contain lights other than lamps.
 void find_far_lights(const BoardView& view, std::vector<Finding>& findings) {
   std::set<std::string> left_out;
   for (const ViewedBoard& viewed : view.boards)
