@@ -9,7 +9,7 @@ namespace burin {
 
 ChessboardPage chessboard_page(const PrintSetup& setup) {
   ChessboardPage out;
-  // Upright on the page: rows of corners go across. A white border of half a square around.
+  // Upright on the page: rows of corners are horizontal. The white border is half a square wide.
   const int across = out.rows + 1, upright = out.columns + 1;
   const Eigen::Vector2d room = free_area(setup, kUsualHead_mm).size();
   out.square_mm = std::floor(std::min(room.x() / (across + 1), room.y() / (upright + 1)));

@@ -13,17 +13,17 @@
 namespace burin {
 namespace {
 
-// What printers leave white, and the strips of the two rulers inside it.
+// Unprintable margin of printers, and the strips of the two rulers within it.
 constexpr double kPageMargin_mm = 10, kRulerStrip_mm = 10;
 constexpr double kFull_mm = 100;
 
-// A filled bar: a line's width would be rounded to pixels by some programs, a bar's edges are not.
+// A filled bar instead of a line: some programs round a line's width to pixels, but no bar's edges.
 void add_bar(Drawing& drawing, const Eigen::Vector2d& center, double half_x, double half_y) {
   const Eigen::Vector2d half(half_x, half_y);
   add_rectangle(drawing, center - half, center + half, Tint::black);
 }
 
-// Marks every mm, longer ones at 5 and 10, numbers; `along` and `aside` are unit vectors.
+// Draws a mark at every mm, longer ones at 5 and 10, and numbers; `along` and `aside` are unit vectors.
 void add_ruler(Drawing& drawing, const Ruler& ruler, const Eigen::Vector2d& aside) {
   const Eigen::Vector2d along = (ruler.hundred - ruler.zero).normalized();
   const bool level = std::abs(along.x()) > 0.5;
@@ -106,7 +106,7 @@ Eigen::Vector2d printed_size_mm(const PrintSetup& setup) { return setup.paper.si
 
 FreeArea free_area(const PrintSetup& setup, double head_mm) {
   const Eigen::Vector2d size = printed_size_mm(setup);
-  // A page that comes out larger than the paper is cut off on whichever side the printer likes.
+  // A page larger than the paper may be cut on any side.
   const Eigen::Vector2d cut = (size - setup.paper.size_mm).cwiseMax(0);
   const Eigen::Vector2d margin = Eigen::Vector2d::Constant(kPageMargin_mm) + cut;
   return {margin + Eigen::Vector2d(kRulerStrip_mm, head_mm), size - margin - Eigen::Vector2d(0, kRulerStrip_mm)};

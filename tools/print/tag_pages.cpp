@@ -11,7 +11,7 @@
 namespace burin {
 namespace {
 
-// Around a tag's paper: room for the crop marks, the arrow above, the words below.
+// Space around a tag's paper: for the crop marks, the arrow above, the words below.
 constexpr double kCrop_mm = 3.5, kAbove_mm = 5, kBelow_mm = 10, kGap_mm = 3;
 
 Eigen::Vector2d cell_size(double paper_mm) {
@@ -41,7 +41,7 @@ void require_fits(const Tag& tag, double paper_mm, const PrintSetup& setup) {
        remedy);
 }
 
-// Short lines at the corners, outside, and a fine gray line along the edge.
+// Draws short lines outside of the corners, and a fine gray line along the edge.
 void add_cut_lines(Drawing& drawing, const Eigen::Vector2d& low, const Eigen::Vector2d& high) {
   constexpr double kFrom = 0.8;
   add_rectangle(drawing, low, high, Tint::none, {Tint::faint, 0.08, 0});

@@ -12,10 +12,10 @@
 namespace burin {
 namespace {
 
-constexpr double kBeyond_mm = 8;    // shown around the board: its edges' marks
+constexpr double kBeyond_mm = 8;    // visible strip around the board, with the marks of its edges
 constexpr double kOverlap_mm = 12;  // of neighboring tiles
 constexpr double kHead_mm = 32;     // with the overview
-constexpr double kLabel_mm = 3;     // a tag's number
+constexpr double kLabel_mm = 3;     // of a tag's number
 constexpr int kMostPages = 400;
 
 struct PaperBox {
@@ -40,7 +40,7 @@ bool covers(const std::vector<Eigen::Vector2d>& convex, const Eigen::Vector2d& p
   return true;
 }
 
-// How many tiles a side of the board takes, and how long each is.
+// Number of tiles along a side of the board, and length of each.
 struct Row {
   int count = 1;
   double length = 0;
@@ -61,7 +61,7 @@ struct Tiling {
   int pages() const { return columns.count * rows.count; }
 };
 
-// Whichever way the board takes fewer pages.
+// Chooses the rotation with fewer pages.
 Tiling tiling_of(const Board& board, const PrintSetup& setup) {
   const Eigen::Vector2d room = free_area(setup, kHead_mm).size();
   const Tiling upright{row_of(board.size_mm.x(), room.x()), row_of(board.size_mm.y(), room.y()), false};
@@ -69,7 +69,7 @@ Tiling tiling_of(const Board& board, const PrintSetup& setup) {
   return turned.pages() < upright.pages() ? turned : upright;
 }
 
-// Draws board coordinates onto one tile's page, cut at the tile's edge.
+// Draws board coordinates onto one tile's page, clipped to the tile.
 struct TilePen {
   Drawing& drawing;
   const Tile& tile;
@@ -109,7 +109,7 @@ std::vector<Eigen::Vector2d> rectangle(const Eigen::Vector2d& low, const Eigen::
   return {low, {high.x(), low.y()}, high, {low.x(), high.y()}};
 }
 
-// What stands beside a tag's paper: an arrow at its upper side and its number, clear of other tags where that can be.
+// Marks next to a tag's paper: an arrow at its upper side and its number, clear of other tags if possible.
 struct TagMarks {
   std::vector<Eigen::Vector2d> paper, arrow;
   Eigen::Vector2d number_mm;
@@ -146,7 +146,7 @@ std::vector<TagMarks> marks_of(const Board& board) {
     const Eigen::Vector2d half(words_width_mm(marks.number, kLabel_mm, true) / 2 + 0.3, kLabel_mm / 2);
     const PaperBox paper = taken[i];
     const Eigen::Vector2d reach = (paper.high - paper.low) / 2 + half + Eigen::Vector2d(0.8, 0.8);
-    // Towards the board's middle first, where most room is; beside the arrow last.
+    // The board's center has most room, so this side comes first; the arrow's side comes last.
     const double to_x = tag.center_mm.x() < middle.x() ? 1 : -1, to_y = tag.center_mm.y() < middle.y() ? 1 : -1;
     const double rise = marks.arrow.empty() ? 0 : 3.6;
     const std::array<Eigen::Vector2d, 6> tried{{{0, to_y * reach.y()},
@@ -186,7 +186,7 @@ void draw_tags(const TilePen& pen, const Board& board, const std::vector<TagMark
 void draw_board(const TilePen& pen, const Board& board) {
   const Eigen::Vector2d size = board.size_mm;
   pen.outline(rectangle({0, 0}, size), {Tint::ink, 0.25, 0});
-  for (const double x : {0.0, size.x()})  // its corners, prolonged: to lay a ruler on
+  for (const double x : {0.0, size.x()})  // extended edges, as guides for a ruler
     for (const double y : {0.0, size.y()}) {
       const double out_x = x > 0 ? 1 : -1, out_y = y > 0 ? 1 : -1;
       pen.line({x + out_x, y}, {x + out_x * (kBeyond_mm - 1), y}, {Tint::ink, 0.12, 0});
@@ -211,7 +211,7 @@ void draw_board(const TilePen& pen, const Board& board) {
     if (const Eigen::Vector2d at = (box.low + box.high) / 2; !place.name.empty() && pen.shows(at, 2))
       pen.words(at, place.name, 2.2, Tint::soft);
   }
-  // The edges' names, in the strip beyond them.
+  // Names of the edges, in the strip outside of them.
   const Eigen::Vector2d shown = (pen.tile.low_mm.cwiseMax(0) + pen.tile.high_mm.cwiseMin(size)) / 2;
   constexpr double kOut = 5;
   for (const auto& [at, name] : {std::pair<Eigen::Vector2d, const char*>{{shown.x(), -kOut}, "lower edge of the board"},
@@ -219,7 +219,7 @@ void draw_board(const TilePen& pen, const Board& board) {
     if (pen.shows(at)) pen.words(at, name, 2.4, Tint::soft);
 }
 
-// Crosses along the middle of every seam, clear of tags.
+// Returns crosses along the middle of every seam, clear of tags.
 std::vector<Eigen::Vector2d> seam_marks(const Board& board, const Tiling& tiling, const std::vector<TagMarks>& tags) {
   constexpr double kEvery = 25, kClear = 4;
   std::vector<Eigen::Vector2d> out;
@@ -261,7 +261,7 @@ void draw_seams(const TilePen& pen, const Tiling& tiling, int column, int row) {
   if (row + 1 < tiling.rows.count) line(1, tile.high_mm.y() - kOverlap_mm / 2);
 }
 
-// The board with all tiles, small, this one filled; as it lies on the page.
+// Draws a small board with all tiles, and this one filled, as it is rotated on the page.
 void draw_overview(PrintedPage& page, const Board& board, const std::vector<Tile>& tiles, const Tile& tile) {
   constexpr double kWidth = 34, kHeight = 20;
   const Eigen::Vector2d size = tile.turned ? Eigen::Vector2d(board.size_mm.y(), board.size_mm.x()) : board.size_mm;
@@ -300,7 +300,7 @@ void draw_overview(PrintedPage& page, const Board& board, const std::vector<Tile
 std::vector<Tile> tiles_of(const Tiling& tiling, const PrintSetup& setup) {
   std::vector<Tile> out;
   const FreeArea free = free_area(setup, kHead_mm);
-  // From the upper left of the board on, as one reads.
+  // From the upper left of the board, in reading order.
   for (int r = tiling.rows.count - 1; r >= 0; --r)
     for (int c = 0; c < tiling.columns.count; ++c) {
       Tile tile;
