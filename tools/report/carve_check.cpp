@@ -33,7 +33,7 @@ std::size_t count_of(const CarveCheck& check, Severity severity) {
                                                 [&](const Finding& f) { return f.severity == severity; }));
 }
 
-// A file in words: its part of the job, the frame, or one that no machine could follow.
+// Describes a file: its part of the job, the frame, or an invalid file.
 std::string file_text(const CheckedFile& file) {
   if (file.lines == 0) return "cannot be followed";
   if (file.scratches == 0) return "carves nothing: the frame, to be run first, in the air";
@@ -45,16 +45,16 @@ std::string range_text(double least_um, double most_um) {
   return fmt::format("{:.1f} to {:.1f} µm", least_um, most_um);
 }
 
-// As deep as grooves become.
+// Depth of the finished grooves.
 std::string depth_text(const CarveCheck& check) { return range_text(check.least_made_um, check.most_made_um); }
 
-// What the machine is told for it, where that is another depth.
+// Commanded depth, if it differs.
 std::string told_text(const CarveCheck& check) {
   const std::string told = range_text(check.least_depth_um, check.most_depth_um);
   return told == depth_text(check) ? "" : fmt::format(" (the machine is told {})", told);
 }
 
-// Where the tool goes, in numbers.
+// Table of the tool's path.
 std::string tool_table(const CarveCheck& check, const MachineProfile& machine) {
   Table t;
   t.header = {"the tool", html(machine.name)};
@@ -81,7 +81,7 @@ std::string files_table(const CarveCheck& check) {
   return table(t);
 }
 
-// The sheet as it lies: tags, keep-outs, what is carved (in red what must not be), and the way round it.
+// Draws the sheet: tags, keep-outs, carve area, scratches (forbidden ones in red), and work zero.
 std::string sheet_drawing(const CarveCheck& check, const Board& board) {
   constexpr double kWidth = 720;
   constexpr std::size_t kMostDrawn = 6000;
@@ -134,7 +134,7 @@ std::string sheet_drawing(const CarveCheck& check, const Board& board) {
              check.red.empty() ? "" : "; red: what must not be carved");
 }
 
-// What the design promised, from its own report. Nothing where there is none.
+// Predicted pictures from the design's own report. Empty without one.
 struct Promise {
   std::string pictures;  ///< HTML
   std::vector<Finding> findings;

@@ -16,12 +16,12 @@ constexpr double kWidth = 440, kHeight = 260, kLeft = 46, kRight = 16, kTop = 22
 constexpr int kColors = 6;
 
 struct Axis {
-  double bottom = 0, top = 1;  // as drawn: logarithms where `logarithmic`
+  double bottom = 0, top = 1;  // as drawn: logarithms if `logarithmic`
   bool logarithmic = false;
   std::vector<double> ticks;  // values
 };
 
-// Round numbers at which three to six lines are drawn.
+// Returns an axis with three to six round tick values.
 Axis axis_of(double low, double high, bool logarithmic) {
   Axis axis;
   axis.logarithmic = logarithmic;
@@ -79,7 +79,7 @@ std::string chart(std::span<const Curve> curves, const ChartWords& words) {
   }
   if (!(low <= high)) return "";
   const Axis axis = axis_of(low, high, !words.marks && low > 0 && high / low >= 10);
-  // Marks at the first and last value stand aside of the frame.
+  // Marks at the first and last value must not touch the frame.
   const double inset = words.marks ? 28 : 0, left = kLeft + inset, right = kWidth - kRight - inset;
   const auto x_of = [&](double i) { return left + (right - left) * i / static_cast<double>(count - 1); };
   const auto y_of = [&](double v) {
@@ -97,7 +97,7 @@ std::string chart(std::span<const Curve> curves, const ChartWords& words) {
     out += svg_words({left, below}, "0", "middle") + svg_words({right, below}, std::to_string(count - 1), "end");
     out += svg_words({(left + right) / 2, below}, words.x_label, "middle");
   }
-  const std::size_t every = (words.x_names.size() + 7) / 8;  // names must not run into each other
+  const std::size_t every = (words.x_names.size() + 7) / 8;  // names must not overlap
   for (std::size_t i = 0; i < words.x_names.size(); i += std::max<std::size_t>(1, every))
     out += svg_words({x_of(static_cast<double>(i)), below}, words.x_names[i], "middle");
   for (std::size_t c = 0; c < curves.size(); ++c) {

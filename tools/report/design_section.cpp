@@ -1,4 +1,4 @@
-// How a design is shown: what each view is to show, what it began with, what it will show, and how it got there.
+// Report of a design: target, start and preview of each view, and the loss over the iterations.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -24,7 +24,8 @@ namespace {
 constexpr int kPictureSidePx = 512;
 constexpr int kSheetWidthPx = 1400;
 
-// The other view whose target this view's picture resembles most: a ghost if it does so more than the targets do.
+// Names the ghost: the other target whose correlation with this picture most exceeds its correlation with the view's
+// own target.
 std::string ghost_sentence(const std::vector<std::string>& names, std::size_t view, const std::vector<double>& ghost,
                            const std::vector<double>& target_correlation) {
   constexpr double kSeen = 0.05;
@@ -40,12 +41,12 @@ std::string ghost_sentence(const std::vector<std::string>& names, std::size_t vi
                      target_correlation[worst]);
 }
 
-// Numbers of a design-report.json; null stands for what is not finite.
+// Reads a number of design-report.json; null stands for values that are not finite.
 double number_or_nan(JsonObject& object, const char* key) {
   return object.raw(key).is_number() ? object.number(key) : std::numeric_limits<double>::quiet_NaN();
 }
 
-// How far eyes may move, without the view's name, which stands in the row.
+// Returns an eye's tolerance without the view's name, which the row already has.
 std::string holds_text(JsonObject& view, const std::string& name) {
   const std::string text = view.object("tolerance").text("text"), begin = "view " + name + " holds ";
   return text.starts_with(begin) ? text.substr(begin.size()) : text;
@@ -118,7 +119,7 @@ std::string loss_chart(JsonObject& report, const std::vector<std::string>& names
   std::size_t iterations = 0;
   for (JsonObject& step : report.objects("history")) {
     ++iterations;
-    if (step.has("as_carved") && !step.boolean("as_carved")) continue;  // what grooves cut from each other is not known
+    if (step.has("as_carved") && !step.boolean("as_carved")) continue;  // loss without the cuts at crossings
     curves[0].values.push_back(step.number("loss"));
     const std::vector<double> each = step.numbers("views", static_cast<int>(names.size()));
     for (std::size_t k = 0; k < each.size(); ++k) curves[k + 1].values.push_back(each[k]);

@@ -16,9 +16,9 @@
 namespace burin {
 namespace {
 
-constexpr std::size_t kMostCards = 6;  // more are a wall again
+constexpr std::size_t kMostCards = 6;  // more are hard to read
 
-// A finding's half sentence, as it stands alone.
+// Turns a finding's half sentence into a sentence.
 std::string whole_sentence(std::string text) {
   if (!text.empty() && text.front() >= 'a' && text.front() <= 'z') text.front() = static_cast<char>(text.front() - 32);
   return text.ends_with('.') || text.ends_with('?') ? text : text + ".";
@@ -66,7 +66,7 @@ std::string plain_text(const std::string& text) {
 
 std::string with_sigma(double value, double sigma) {
   if (!(sigma > 0) || !std::isfinite(sigma) || !std::isfinite(value)) return number(value);
-  // Two digits of the uncertainty, and the value to the same place.
+  // Two digits of the uncertainty, and the value to the same digit.
   const int digits = std::clamp(1 - static_cast<int>(std::floor(std::log10(sigma))), 0, 9);
   return fixed(value, digits) + " ± " + fixed(sigma, digits);
 }
@@ -124,7 +124,7 @@ std::string cards(std::vector<Finding> findings) {
     for (std::size_t i = begin; i < end; ++i) out += card(findings[i]);
     return out + "</ul>\n";
   };
-  // What stops is never folded.
+  // Errors are never folded.
   std::size_t first = std::min(kMostCards, findings.size());
   while (first < findings.size() && findings[first].severity == Finding::Severity::error) ++first;
   if (first + 1 >= findings.size()) return list(0, findings.size());

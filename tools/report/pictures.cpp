@@ -16,7 +16,7 @@
 namespace burin {
 
 std::string data_address(const Image& shown, PictureKind kind) {
-  constexpr int kQuality = 86;  // at full color resolution: a difference is told by its colors alone
+  constexpr int kQuality = 86;  // at full color resolution, because a difference consists of colors alone
   std::vector<std::uint8_t> stored(shown.data.size());
   std::transform(shown.data.begin(), shown.data.end(), stored.begin(),
                  [](float v) { return static_cast<std::uint8_t>(v > 0 ? std::lround(255 * std::min(v, 1.0F)) : 0); });

@@ -52,7 +52,7 @@ WrittenReport write_report(const std::filesystem::path& folder, const std::files
     all.styles.push_back(bench_scene_style());
   }
   WrittenReport out{plain_text(all.outcome), folder / "report.html"};
-  // A screen has room for the gravest.
+  // A screen has room for the most severe ones.
   constexpr std::size_t kMostTold = 8;
   std::vector<Finding> told = all.findings;
   std::stable_sort(told.begin(), told.end(),

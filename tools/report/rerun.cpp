@@ -34,12 +34,14 @@ struct DesignedPicture {
   std::string view, light;
   fs::path target;
   double promised_db = 0;
-  std::optional<std::vector<double>> white_gain;  // of a picture in color: factors on R, G, B that make white of white
+  // White balance of a picture in color: factors on R, G, B.
+  std::optional<std::vector<double>> white_gain;
 };
 
 struct DesignedBoard {
   std::vector<DesignedPicture> pictures;
-  Carved carved;  // what the machine of the bench as it is makes of its tool path
+  // The grooves that the true bench's machine makes from the design's tool path.
+  Carved carved;
 };
 
 DesignedBoard read_designed(const fs::path& folder, const Bench& under, const Board& board) {
@@ -53,7 +55,7 @@ DesignedBoard read_designed(const fs::path& folder, const Bench& under, const Bo
     if (view.has("color")) out.pictures.back().white_gain = view.object("color").numbers("white_gain", 3);
   }
   JsonObject used = report.object("bench");
-  // Its tool path compensated what was known then of the machine, and of how deep its grooves become.
+  // Its tool path compensated the machine error and depth known at that time.
   Bench then;
   if (used.has("machine")) {
     JsonObject machine = used.object("machine");
@@ -94,7 +96,7 @@ Look look_at(const Carved& carved, const DesignedPicture& asked, const Image& ta
   return look;
 }
 
-// The target of the second design, in color where the report says so.
+// Returns the target of the second design, in color if the report has a white balance.
 Image target_of(const DesignedPicture& asked) {
   Image target = read_picture(asked.target);
   if ((target.channels == 3) != asked.white_gain.has_value())
@@ -165,7 +167,7 @@ Section rerun_section(const RerunInput& input, const Progress& progress) {
                        old->white_gain ? "color" : "gray", asked.white_gain ? "color" : "gray"),
            "compare two designs of the same pictures");
     const Image target = target_of(asked);
-    // Both under the same lamps, so by the same white: the one found for the bench as measured.
+    // Both are under the same lamps and use the same white balance, that of the measured bench.
     const Look was = look_at(before.carved, asked, target, under, board, input.under);
     const Look is = look_at(after.carved, asked, target, under, board, input.under);
     views.push_back({asked.view, old->promised_db, was.psnr_db, asked.promised_db, is.psnr_db});
