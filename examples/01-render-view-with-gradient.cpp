@@ -1,5 +1,5 @@
-// One view of a small board, rendered, and how its light changes as scratches move: the gradient that designs descend.
-// Ends with 0 if the gradient is what a step by hand finds.
+// Renders one view of a small board and computes the gradient of its light with respect to the scratches. Designs
+// descend this gradient. Exits with 0 if the gradient agrees with a finite difference.
 #include <burin/render/view_renderer.h>
 
 #include <cmath>
@@ -9,7 +9,7 @@
 
 int main() {
   using namespace burin;
-  Board board;  // 40 mm square, seen from straight above by a pinhole camera, lit from the left
+  Board board;  // 40 mm square; a pinhole camera perpendicular to it, a lamp at the left
   board.size_mm = {40, 40};
   Bench bench;
   bench.lens = {"LENSMODEL_PINHOLE", {300, 300, 63.5, 63.5}, 128, 128};
@@ -32,7 +32,7 @@ int main() {
 
   const CameraView camera = make_camera_view(bench, board, view, {0, 0, 128, 128});
   ViewRenderer renderer(make_scene(bench, board, camera, lamp));
-  const auto light_of = [&](const Scratches& scratches) {  // of all pixels
+  const auto light_of = [&](const Scratches& scratches) {  // sum over all pixels
     Image radiance;
     renderer.forward(in_metal(scratches), radiance);
     double sum = 0;
@@ -44,7 +44,7 @@ int main() {
   renderer.forward_with_jacobian(in_metal(rows), radiance);
   const ScratchGradients gradient = renderer.backward(Image(128, 128, 1, 1.0F));  // dE/dradiance = 1 everywhere
 
-  std::size_t most = 0;  // the scratch whose first end, moved in y, changes the light most
+  std::size_t most = 0;  // scratch with the largest derivative with respect to y of its first end
   for (std::size_t i = 0; i < rows.size(); ++i)
     if (std::abs(gradient.y0_mm[i]) > std::abs(gradient.y0_mm[most])) most = i;
   const double step_mm = 1e-3, here = light_of(rows);

@@ -1,6 +1,6 @@
-// Photos of a board become a calibrated bench: lens, camera places and lamp, each with its uncertainty. The photos are
-// simulated here, so that the truth is known: 02-calibrate-session truth.json FOLDER
-// Ends with 0 if cameras and lamp are where they were.
+// Calibrates a bench from photos of a board: lens, camera poses and lamp, each with its uncertainty. Simulated photos
+// provide ground truth: 02-calibrate-session truth.json FOLDER. Exits with 0 if the estimates of cameras and lamp agree
+// with it.
 #include <burin/base/error.h>
 #include <burin/calib/calibrate.h>
 #include <burin/capture/folder_session.h>
@@ -18,10 +18,10 @@ int main(int argc, char** argv) {
   try {
     const std::filesystem::path folder = argv[2];
     SimulateOptions few;
-    few.samples = 4;  // points a pixel with grooves: tags and their paper need no more
+    few.samples = 4;  // per pixel with grooves; tags and their paper need no more
     simulate(argv[1], folder, few);
 
-    // With photos of your own it begins here: which belong together, and how was each exposed?
+    // With your own photos, start here: group them by view, and read their exposures.
     const CaptureResult captured = capture_folder(folder / "photos", folder / "board.json", folder / "captured");
     const Calibration calibration = calibrate(captured.session, read_board(folder / "board.json"));
     write_calibration(calibration, folder / "measured");  // bench.json, camera.cameramodel, residuals.vnl
@@ -30,7 +30,7 @@ int main(int argc, char** argv) {
     const BenchTruth truth = read_bench_truth(argv[1]);
     double worst_mm = 0;
     for (const View& view : bench.views) {
-      double error_mm = 1e9;  // to the nearest true place: photos do not know what the truth calls it
+      double error_mm = 1e9;  // to the nearest true viewpoint: photos do not contain its name
       for (const TruthView& known : truth.views)
         error_mm = std::min(
             error_mm,
@@ -42,7 +42,7 @@ int main(int argc, char** argv) {
     const double lamp_mm = (bench.lights.front().position_mm - truth.lights.front().position_mm).norm();
     std::printf("lens %s; lamp %.2f mm from the truth\n", bench.lens.model.c_str(), lamp_mm);
     return bench.views.size() == truth.views.size() && worst_mm < 2 && lamp_mm < 10 ? 0 : 1;
-  } catch (const Error& error) {  // a sentence for a person: what is wrong, where, and what to do
+  } catch (const Error& error) {  // a sentence for people: the problem, its place, and a remedy
     std::fprintf(stderr, "%s\n", error.what());
     return 1;
   }

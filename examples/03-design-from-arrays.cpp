@@ -1,5 +1,5 @@
-// A board designed from pictures in memory, without a file: a disk seen from one place, a ramp from another.
-// Ends with 0 if each view shows its own picture, well, and not the other's.
+// Designs a board from pictures in memory: a disk for one viewpoint, a ramp for another. Exits with 0 if each view
+// shows its own picture well, and not the other one.
 #include <burin/optimize/design.h>
 
 #include <cmath>
@@ -13,12 +13,12 @@ int main() {
   board.carve_max_mm = {50, 50};
   Bench bench;
   bench.material = {.alpha = 0.06, .depth_um = 12};
-  Light lamp;  // straight above; each camera sees grooves across its own direction glint
+  Light lamp;  // above the board; each camera sees glints of grooves across its own direction
   lamp.position_mm = {30, 30, 500};
   bench.lights = {lamp};
   const Eigen::Vector3d eyes[2] = {{230, 30, 450}, {30, 230, 450}};
   for (const Eigen::Vector3d& eye : eyes) {
-    View view;  // a design asks only where the eye is, not where it looks
+    View view;  // a design uses a view's viewpoint, not its rotation
     view.name = bench.views.empty() ? "right" : "top";
     view.T_camera_board.linear() = Eigen::Vector3d(1, -1, -1).asDiagonal();
     view.T_camera_board.translation() = -(view.T_camera_board.linear() * eye);
