@@ -36,7 +36,7 @@ namespace fs = std::filesystem;
 
 constexpr int kFramesAPlace = 8, kMostFrames = 240;
 
-// A pinhole lens that shows the whole board from the nearest place.
+// A pinhole lens with the whole board in view from the nearest place.
 Lens lens_for(const Board& board, double nearest_mm, int pixels) {
   const double rim_mm = 0.5 * board.size_mm.norm();
   const double focal_px = 0.48 * pixels * std::sqrt(std::max(nearest_mm * nearest_mm - rim_mm * rim_mm, 1e-6)) / rim_mm;

@@ -41,9 +41,9 @@ std::vector<Step> walk_through(std::span<const Eigen::Vector3d> places_mm, const
                                int frames);
 
 /// Renders the frames and writes an animated PNG (.png), a film (.mp4, needs ffmpeg) or a folder of numbered PNG files
-/// (`out` without extension). `views` and `lights` are the places in order; the kind that does not move stays at its
-/// first place. Returns the number of frames, including the way back. Throws Error for fewer than two places to go
-/// through, and for .mp4 without ffmpeg.
+/// (`out` without extension). `views` and `lights` are the places in order; the other kind stays at its first place.
+/// Returns the number of frames, including the way back. Throws Error for fewer than two places to go through, and for
+/// .mp4 without ffmpeg.
 int animate(const Board& board, const Bench& bench, const Carved& carved, std::span<const View> views,
             std::span<const Light> lights, const std::filesystem::path& out, const AnimateOptions& options,
             const Progress& progress);

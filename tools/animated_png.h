@@ -1,4 +1,4 @@
-// tools/animated_png.h - animated PNG: several pictures in one file that browsers play. Source: W3C, Portable Network
+// tools/animated_png.h - animated PNG: several pictures in one file, for browsers. Source: W3C, Portable Network
 // Graphics, third edition, 2025, chunks acTL, fcTL and fdAT. Viewers without support for these chunks show the first
 // picture.
 #pragma once

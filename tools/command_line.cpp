@@ -218,7 +218,7 @@ std::string exception_sentence(const std::exception_ptr& thrown) {
   } catch (const Error& error) {
     return error.what();
   } catch (const std::filesystem::filesystem_error& error) {
-    // Errors without an earlier check: a folder without read permission, circular links, a name that is too long.
+    // Errors without an earlier check: a folder without read permission, circular links, an overlong name.
     return fmt::format("{}: cannot be used: {}; {}",
                        error.path1().empty() ? "a file or folder" : printable(error.path1().string()),
                        error_text(error.code().value()), error_remedy(error.code().value()));

@@ -25,10 +25,10 @@
 //   library's own message contains the remedy.
 // - Contradictory options throw CLI::ValidationError: exit code 2.
 // - Results go to stdout. The last line names the result and the next command, ready to paste, with all needed options
-//   (shell_word). Capitals stand for values that only the user knows.
+//   (shell_word). Capitals stand for values of the user.
 // - Findings that do not stop the work ("note: ...") go to stderr through note(). A command prints nothing else.
 // - Commands write complete outputs only (write_atomically), and make folders with make_output_folder.
-// - `--help` ends with an example that works on the files it names.
+// - `--help` ends with a working example.
 #pragma once
 
 #include <fmt/format.h>
@@ -76,7 +76,7 @@ std::shared_ptr<void> add_toolpath_options(CLI::App& command);
 /// Adds --f-number: the aperture of photos without one in their EXIF data. 0: not given.
 void add_f_number_option(CLI::App& command, double& f_number);
 
-/// Type name of options with a file as value. Commands that forward options also move these paths.
+/// Type name of options with a file as value. Forwarding an option adapts this path to the other working folder.
 inline constexpr const char* kFile = "FILE";
 
 /// CLI11 check of an option for a time, with any default unit. Returns an empty string for a good value.

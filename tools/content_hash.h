@@ -8,8 +8,7 @@
 
 namespace burin {
 
-/// Returns the SHA-256 of a file's bytes as 64 hexadecimal digits. Throws Error for an existing file that cannot be
-/// read.
+/// Returns the SHA-256 of a file's bytes as 64 hexadecimal digits. Throws Error for an unreadable file.
 std::string content_hash(const std::filesystem::path& file);
 
 /// Caches hashes for the duration of one command, because photos are large. A cached hash holds while the file keeps

@@ -1,4 +1,4 @@
-// burin coupon - a patch of test scratches that measures a machine. The work is in burin/optimize/toolpath/coupon.h
+// burin coupon - measures a machine by a patch of test scratches. The work is in burin/optimize/toolpath/coupon.h
 // (layout) and burin/calib/coupon.h (reading).
 
 #include <algorithm>

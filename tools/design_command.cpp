@@ -34,7 +34,7 @@
 namespace burin {
 namespace {
 
-// All views side by side above their targets, as one picture that is updated during the work.
+// All views side by side above their targets, as one picture with updates during the work.
 class LivePreview {
  public:
   LivePreview(std::filesystem::path file, double every_s) : file_(std::move(file)), every_s_(every_s) {}
@@ -100,7 +100,7 @@ struct DesignArguments {
   double depth_um = 0;  // of the grooves; 0: the bench's
 };
 
-// Options to repeat in a command that continues a design.
+// Options to repeat in a command to continue a design.
 std::string said_again(const DesignArguments& o) {
   std::string line;
   if (!o.bench.empty()) line += " --bench " + shell_word(o.bench.string());
@@ -112,7 +112,7 @@ std::string said_again(const DesignArguments& o) {
 }
 
 // A full disk at the end must not lose hours of work. If the whole result cannot be written, the scratches alone may
-// still fit, under a name that no result uses.
+// still fit, under a name of its own.
 void write_or_keep(const DesignResult& result, const DesignSpec& spec, const Board& board, const Bench& bench,
                    const DesignArguments& o) {
   const std::filesystem::path kept = o.out / "scratches-kept.csv";
@@ -192,7 +192,7 @@ void run(const DesignArguments& o) {
     if (o.depth_um > 0) give_depth(as_known.material.depth_um, carved);
     options.carved = joined(options.carved, carved, board.tool_width_um, bench.material.depth_um, bench.material.alpha);
   }
-  if (!o.from.empty()) allow_change_of(o.from);  // the output folder may be the design that continues
+  if (!o.from.empty()) allow_change_of(o.from);                     // the output folder may be the continued design
   fail_if_input(o.out / "scratches.csv", o.out / "scratches.csv");  // before the work
   const WorkLock lock(o.out, "burin design", WorkLock::Where::new_folders);
 

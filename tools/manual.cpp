@@ -8,7 +8,7 @@
 namespace burin {
 namespace {
 
-// Escapes text for roff: backslashes, hyphens in text to paste, and lines that start with a control character.
+// Escapes text for roff: backslashes, hyphens in text to paste, and leading control characters of lines.
 std::string roff(std::string_view text) {
   std::string out;
   bool line_begins = true;

@@ -52,7 +52,7 @@ std::vector<MatchTolerance> match_tolerances(const DesignSpec& design, const Ben
 struct DesignedLamp {
   std::string id;
   Eigen::Vector3d at_mm{0, 0, 0};
-  PlaceTolerance tolerance;  ///< the smallest of the pictures that it lights
+  PlaceTolerance tolerance;  ///< the smallest of its pictures
 };
 
 /// Returns every lamp of the design's pictures once, in the design's order. `tolerances`: one per picture. Throws Error

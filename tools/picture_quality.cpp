@@ -78,7 +78,7 @@ DesignQuality quality_of_design(JsonObject& report, const std::filesystem::path&
     out.px = static_cast<int>(std::max(pixels[0], pixels[1]));
   }
   for (JsonObject& view : report.objects("views")) {
-    const char* key = of_eyes ? "eye_psnr_db" : "psnr_db";  // null stands for values that are not finite
+    const char* key = of_eyes ? "eye_psnr_db" : "psnr_db";  // null stands for NaN and infinity
     out.psnr_db.push_back(view.raw(key).is_number() ? view.number(key) : std::numeric_limits<double>::quiet_NaN());
     out.likeness.push_back(
         likeness_of(view.numbers("ghost", -1), view.numbers("target_correlation", -1), out.likeness.size()));

@@ -37,7 +37,7 @@ MachineProfile machine_in_project(const std::string& machine, const std::filesys
 /// CLI::RequiredError, naming `argument`, if there is neither.
 std::filesystem::path project_folder(const std::filesystem::path& given, const std::string& argument);
 
-/// A command's values with defaults from the project; null for options that the command lacks.
+/// A command's values with defaults from the project; null for missing options of the command.
 struct SettingsToTake {
   std::string* machine = nullptr;
   std::filesystem::path* scratches = nullptr;

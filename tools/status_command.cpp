@@ -57,7 +57,7 @@ Json stage_json(const LoopProject& loop, const StageState& state) {
   return json;
 }
 
-// Returns the inputs of one stage in words that fit a line.
+// Returns the inputs of one stage in words for one line.
 std::string rests_on(const StageState& state) {
   if (!state.record || !state.record->holds()) return "";
   constexpr std::size_t kNamed = 6;

@@ -26,7 +26,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
-// All signals that end a process by default. Faults are internal; SIGKILL cannot be caught.
+// All signals with termination as their default. Faults are internal; SIGKILL cannot be caught.
 constexpr int kWishes[] = {SIGINT,    SIGTERM, SIGHUP,  SIGQUIT, SIGUSR1, SIGUSR2,  SIGXCPU,
                            SIGVTALRM, SIGPROF, SIGPOLL, SIGPWR,  SIGALRM, SIGSTKFLT};
 constexpr int kFaults[] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGSYS};

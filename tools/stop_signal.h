@@ -1,5 +1,5 @@
 // tools/stop_signal.h - requests to stop, and uncaught faults. Requests are Ctrl-C (SIGINT), `kill` (SIGTERM), a closed
-// terminal (SIGHUP) and all other signals that end a process.
+// terminal (SIGHUP) and all other terminating signals.
 //
 // All commands use one mechanism. main() calls end_on_signals(). Afterwards a signal ends the process at any point.
 // Outputs that are being renamed into place are completed, and all other unfinished files are removed

@@ -111,7 +111,7 @@ void follow(Trace& trace, const std::string& name, const std::string& hash, int 
   for (const auto& [input, content] : record.inputs) follow(trace, input, content, depth + 1);
 }
 
-// Returns the nearest folder above the file that is a project with rounds.
+// Returns the nearest project with rounds above the file.
 fs::path project_folder_of(const fs::path& file) {
   for (fs::path folder = fs::absolute(file).lexically_normal().parent_path();; folder = folder.parent_path()) {
     if (fs::exists(folder / "design.json") && Project{folder}.rounds() > 0) return folder;

@@ -61,7 +61,7 @@ double words_width_mm(std::string_view text, double size_mm, bool bold) {
 
 namespace {
 
-// Returns the number of bytes that fit the width, in whole letters; at least one letter.
+// Returns the number of bytes within the width, in whole letters; at least one letter.
 std::size_t bytes_within(const std::string& text, double size_mm, double width_mm, bool bold) {
   std::size_t end = 0;
   while (end < text.size()) {

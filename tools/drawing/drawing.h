@@ -63,7 +63,7 @@ double words_width_mm(std::string_view text, double size_mm, bool bold = false);
 /// Shortens text to the given width, mm, with ... at its end.
 std::string shortened(const std::string& text, double size_mm, double width_mm, bool bold = false);
 
-/// Wraps text into lines of at most the given width, mm; splits words that are longer.
+/// Wraps text into lines of at most the given width, mm; splits longer words.
 std::vector<std::string> wrapped(std::string_view text, double size_mm, double width_mm);
 
 /// Clips a convex polygon to the rectangle; empty if they do not overlap.

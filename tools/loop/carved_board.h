@@ -14,7 +14,7 @@ namespace burin {
 /// One value of the project's board.json that differs from the round's board.
 struct ToldOtherwise {
   std::string field;           ///< "material.depth_um"
-  double now = 0, then = 0;    ///< in the project's board.json; at the carving of that board
+  double now = 0, then = 0;    ///< in the project's board.json; in the round's board
   std::filesystem::path told;  ///< the file with `then`
 };
 

@@ -43,7 +43,7 @@ struct LoopOptions {
 /// Reads PROJECT/loop.toml. Missing keys, or a missing file, count as not given. Throws Error with file, line and key.
 LoopOptions read_loop_options(const std::filesystem::path& project);
 
-/// Options of `burin loop` that loop.toml stores.
+/// Options of `burin loop` stored in loop.toml.
 struct LoopCommandLine {
   std::shared_ptr<void> design_values, toolpath_values, capture_values;
   CLI::App* design = nullptr;
@@ -57,8 +57,8 @@ struct LoopCommandLine {
 void add_loop_options(CLI::App& command, LoopCommandLine& said);
 
 /// Writes differing options of the command line into loop.toml, leaves the rest unchanged, and returns the resulting
-/// options. Paths relative to the working directory become relative to the project. Throws Error for a line that a
-/// program cannot change.
+/// options. Paths relative to the working directory become relative to the project. Throws Error for a line in an
+/// unsupported form.
 LoopOptions remember_options(const LoopCommandLine& said, const std::filesystem::path& project);
 
 /// Returns the machine's profile. If the profile has no reach, it gets the reach in loop.toml.

@@ -105,7 +105,7 @@ bool is_whole(const std::vector<StageState>& states, int round) {
   });
 }
 
-// Before the first board, lists pictures of the design that are hard to recognize. Empty: none.
+// Before the first board, lists hard to recognize pictures of the design. Empty: none.
 std::string not_yet(const LoopProject& loop, int round) {
   const std::vector<std::string> views = unreadable_views(loop.project.round(round) / "design");
   if (round > 1 || views.empty()) return "";

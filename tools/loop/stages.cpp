@@ -43,7 +43,7 @@ std::vector<fs::path> files_below(const fs::path& folder) {
   return files;
 }
 
-// Parses a file that the user may have edited; no object if it is invalid.
+// Parses a possibly edited file; no object if it is invalid.
 Json json_or_broken(const fs::path& file) {
   return Json::parse(read_bytes(file, limit::kJsonBytes, "a JSON file"), nullptr, false);
 }

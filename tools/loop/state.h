@@ -37,7 +37,7 @@ struct StageState {
   };
   StageOfRound at;
   Condition condition = Condition::not_begun;
-  std::vector<StageChange> changes;  ///< without those that a --keep accepted
+  std::vector<StageChange> changes;  ///< without accepted ones (--keep)
   std::optional<MadeRecord> record;
   bool photographed = false;  ///< the round's board is carved and photographed
 

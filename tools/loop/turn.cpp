@@ -138,7 +138,7 @@ void settle(Turn& turn) {
       open.push_back(state);
   }
   const auto carving = [](const StageState& state) { return is_carving(state.at.stage); };
-  // Errors that no answer avoids come before any question.
+  // Unavoidable errors come before any question.
   if (!open.empty() || std::any_of(kept.begin(), kept.end(), carving)) require_one_truth_to_carve(turn.loop.project);
   if (!open.empty()) {
     std::fflush(stdout);
@@ -270,7 +270,7 @@ bool turn_stage(Turn& turn, const StageOfRound& at) {
     if (photos_of(turn.loop.project, at.round).empty()) {
       if (!workshop) return false;
     } else {
-      return true;  // a simulation that was interrupted after its work
+      return true;  // a simulation, interrupted after its work
     }
   }
   if (!again && is_open(turn, state)) {

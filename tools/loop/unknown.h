@@ -16,7 +16,7 @@
 
 namespace burin {
 
-/// One parameter that is undetermined or weakly determined.
+/// One undetermined or weakly determined parameter.
 struct UnknownParameter {
   std::string name;  ///< as in bench.json: "depth_um"
   Verdict verdict;
@@ -29,7 +29,7 @@ std::vector<UnknownParameter> unknown_in(const Bench& measured, const std::set<s
 /// Returns a note, with the sigma, for each weakly determined parameter that stops nothing. `file`: the bench's.
 std::vector<Finding> weakly_known_in(const Bench& measured, const std::filesystem::path& file);
 
-/// Parameters that a round left open.
+/// Open parameters of a measured round.
 struct ToldByRound {
   std::vector<UnknownParameter> open;  ///< stops the next design
   /// would stop it, but the user accepted it: on this command line, earlier, or in loop.toml

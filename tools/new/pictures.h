@@ -27,8 +27,8 @@ struct ChosenPicture {
   Keep keep = Keep::middle;
 };
 
-/// Reads pictures, two at the same time. Throws Error for the first one that is unreadable, has only one tone, or has a
-/// name that JSON cannot hold. Throws Error for none, and for more than `most`.
+/// Reads pictures, two at the same time. Throws Error for the first unreadable or single-toned one, and for a name with
+/// invalid UTF-8. Throws Error for none, and for more than `most`.
 std::vector<ChosenPicture> choose_pictures(const std::vector<std::filesystem::path>& files, std::size_t most);
 
 /// Chooses the default fit. A picture that loses much of its height keeps its top, with heads and sky. A picture that

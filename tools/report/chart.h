@@ -7,7 +7,7 @@
 
 namespace burin {
 
-/// Values at 0, 1, 2, ...; values that are not finite are left out.
+/// Values at 0, 1, 2, ...; NaN and infinity are left out.
 struct Curve {
   std::string name;
   std::vector<double> values;

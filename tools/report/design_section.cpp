@@ -41,7 +41,7 @@ std::string ghost_sentence(const std::vector<std::string>& names, std::size_t vi
                      target_correlation[worst]);
 }
 
-// Reads a number of design-report.json; null stands for values that are not finite.
+// Reads a number of design-report.json; null stands for NaN and infinity.
 double number_or_nan(JsonObject& object, const char* key) {
   return object.raw(key).is_number() ? object.number(key) : std::numeric_limits<double>::quiet_NaN();
 }

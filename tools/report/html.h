@@ -22,7 +22,7 @@ std::string plain_text(const std::string& html);
 std::string unbroken(std::string_view text);
 
 /// Formats a number with its significant digits and its sigma: "0.0602 ± 0.0004"; without sigma, four digits. Never
-/// uses an exponent; a value that is not finite is "unknown".
+/// uses an exponent; NaN and infinity are "unknown".
 std::string with_sigma(double value, double sigma);
 std::string number(double value);
 

@@ -167,7 +167,7 @@ Section rerun_section(const RerunInput& input, const Progress& progress) {
                        old->white_gain ? "color" : "gray", asked.white_gain ? "color" : "gray"),
            "compare two designs of the same pictures");
     const Image target = target_of(asked);
-    // Both are under the same lamps and use the same white balance, that of the measured bench.
+    // Both are under the same lamps and use the measured bench's white balance.
     const Look was = look_at(before.carved, asked, target, under, board, input.under);
     const Look is = look_at(after.carved, asked, target, under, board, input.under);
     views.push_back({asked.view, old->promised_db, was.psnr_db, asked.promised_db, is.psnr_db});

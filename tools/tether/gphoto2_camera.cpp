@@ -62,7 +62,7 @@ using Widget = std::unique_ptr<CameraWidget, FreeWidget>;
 
 // Longest wait of one call for an event.
 constexpr int kQuiet_ms = 300;
-// Waiting times since the latest file: for an unknown number of files, and for a file that is known to be missing.
+// Waiting times since the latest file: for an unknown number of files, and for a missing file.
 constexpr std::chrono::milliseconds kUnknownFiles(3000), kMissingFile(15000);
 
 // One release of the shutter and its files.

@@ -114,7 +114,7 @@ double next_time(const TetheredCamera& camera, const PaperSearch& search, double
   return best;
 }
 
-// Updates the search with a photo, and returns the exposure time that its paper needs.
+// Updates the search with a photo, and returns the right exposure time for its paper.
 double learn(double time_s, const JudgedPhoto& photo, const Board& board, PaperSearch& search) {
   const PhotoFacts& facts = photo.facts;
   search.tag_seen |= !facts.tags.empty();

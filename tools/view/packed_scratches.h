@@ -1,5 +1,5 @@
-// tools/view/packed_scratches.h - compact form of grooves in a page: 8 bytes each, and two more for each property that
-// varies. Frame: board, mm.
+// tools/view/packed_scratches.h - compact form of grooves in a page: 8 bytes each, and two more for each varying
+// property. Frame: board, mm.
 #pragma once
 
 #include <string>
