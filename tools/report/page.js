@@ -1,14 +1,14 @@
-// tools/report/page.js - what a report's page can do beyond standing there: wipe between two pictures of one place, zoom
-// and pan all pictures of that place in lockstep, by pointer, touch and keyboard; and unfold everything for paper.
-// Works on the markup of tools/report/pictures.h alone: .compare holds figures, each with data-name; the .compares
-// around them name with data-place what place they show. Needs no network, sets no inline styles but by the DOM.
+// tools/report/page.js - interaction of a report's page. It wipes between two pictures of one place, and zooms and pans all
+// pictures of that place together, by pointer, touch and keyboard. It unfolds everything for paper.
+// It needs only the markup of tools/report/pictures.h: .compare contains figures, each with data-name; the .compares
+// around them name their place in data-place. It uses no network, and sets inline styles through the DOM only.
 'use strict';
 
 (() => {
   const kMostZoom = 16;
   document.documentElement.classList.add('js');
 
-  // What is looked at of each place: the middle of the window as a fraction of the picture, and how large it is drawn.
+  // Visible part of each place: the window's center as a fraction of the picture, and the scale.
   const places = new Map();
 
   function placeOf(name) {
@@ -35,7 +35,7 @@
     draw(place);
   }
 
-  // Zooms so that what is under (u, v), fractions of the window, stays there.
+  // Zooms about the point (u, v), in fractions of the window.
   function zoomAt(place, factor, u = 0.5, v = 0.5) {
     const scale = Math.min(kMostZoom, Math.max(1, place.scale * factor));
     look(place, place.x + (u - 0.5) * (1 / place.scale - 1 / scale), place.y + (v - 0.5) * (1 / place.scale - 1 / scale),
@@ -139,7 +139,7 @@
     });
   }
 
-  // One finger or the mouse: the wipe, or, zoomed in and beside the wipe's handle, the picture. Two fingers: zoom.
+  // One finger or the mouse moves the wipe, or a zoomed picture outside of the wipe's handle. Two fingers zoom.
   function pointers(stage, edge, place, wipe) {
     const down = new Map();
     let onEdge = false, spread = 0;
@@ -178,7 +178,7 @@
       else zoomAt(place, 4, u, v);
     });
     stage.addEventListener('wheel', (event) => {
-      if (!event.ctrlKey) return;  // a plain wheel turns the page
+      if (!event.ctrlKey) return;  // the wheel alone scrolls the page
       event.preventDefault();
       const { u, v } = fraction(event);
       zoomAt(place, Math.exp(-event.deltaY / 200), u, v);
@@ -200,7 +200,7 @@
         'all pictures of the board together.',
     }));
 
-  // On paper nothing is folded.
+  // Paper shows all folded parts.
   let folded = [];
   window.addEventListener('beforeprint', () => {
     folded = [...document.querySelectorAll('details:not([open])')];

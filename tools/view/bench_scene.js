@@ -1,11 +1,11 @@
-// bench_scene.js - the bench in three dimensions on a canvas: board, cameras, lamps, ellipsoids of uncertainty, rings of
-// tolerance on the floor. No WebGL is needed, and it prints. Frame: board, mm (docs/model.md 1).
+// bench_scene.js - three-dimensional view of the bench on a canvas: board, cameras, lamps, uncertainty ellipsoids, and
+// tolerance rings on the floor. It needs no WebGL and can be printed. Frame: board, mm (docs/model.md 1).
 //
 //   const scene = burinBenchScene(element, data, options)      data: bench_scene_json() of tools/view/bench_scene.h
-//   options: { alt, eye, lamp: places that are dragged, [x, y, z]; onEye(p), onLamp(p): called while they are }
-//   scene.update({ data, eye, lamp }): shows something else.
+//   options: { alt, eye, lamp: places to drag, [x, y, z]; onEye(p), onLamp(p): called during dragging }
+//   scene.update({ data, eye, lamp }): replaces the contents.
 //
-// Elements <div class="bench-scene"> that hold their data in a <script type="application/json"> are found by themselves.
+// The script finds elements <div class="bench-scene"> with their data in a <script type="application/json">.
 'use strict';
 
 function burinBenchScene(element, data, options = {}) {
@@ -33,7 +33,7 @@ function burinBenchScene(element, data, options = {}) {
   const state = { eye: options.eye, lamp: options.lamp, turn: 0.5, tilt: 0.42, zoom: 1, hung: false };
   let center, radius, floor, factor, view, queued = false;
 
-  // A factor for ellipsoids that are too small to be seen: 1, 2, 5, 10, ..., so that the largest is a twelfth of the scene.
+  // Magnification of invisibly small ellipsoids: 1, 2, 5, 10, ...; the largest one becomes a twelfth of the scene.
   function magnification() {
     const sigmas = [...data.eyes, ...data.lamps].flatMap((p) => p.sigma_mm || []);
     const most = Math.max(0, ...sigmas);
@@ -55,7 +55,7 @@ function burinBenchScene(element, data, options = {}) {
       radius = Math.max(1, ...points.map((p) => Math.hypot(...add(p, center, -1))));
       return low;
     };
-    // The board lies on a table (its face is up), or hangs on a wall (its y is up), the floor a little below all that is there.
+    // The board is on a table (its face is up) or on a wall (its y is up). The floor is slightly below all objects.
     const low = extent();
     floor = state.hung ? low[1] - 0.12 * radius : 0;
     points.push(...points.map(on_floor));
@@ -65,7 +65,7 @@ function burinBenchScene(element, data, options = {}) {
   const up = () => (state.hung ? [0, 1, 0] : [0, 0, 1]);
   const on_floor = (p) => (state.hung ? [p[0], floor, p[2]] : [p[0], p[1], floor]);
 
-  // An orthographic look from the side: right, upward, towards us.
+  // Orthographic projection: right, upward, towards the viewer.
   function look() {
     const n = up(), front = state.hung ? [0, 0, 1] : [0, -1, 0], side = cross(n, front);
     const level = add(scale(front, Math.cos(state.turn)), side, Math.sin(state.turn));
@@ -110,7 +110,7 @@ function burinBenchScene(element, data, options = {}) {
       g.lineWidth = 3; g.strokeStyle = style.backgroundColor; g.strokeText(text, left, y + dy);
       g.fillStyle = ink; g.fillText(text, left, y + dy);
     };
-    // The silhouette of an ellipsoid with these half axes is an ellipse again: that of its axes' projections.
+    // The silhouette of an ellipsoid with these half axes is the ellipse of its axes' projections.
     const ellipsoid = (at, axes, color, alpha) => {
       const [x, y] = to_px(at);
       let xx = 0, xy = 0, yy = 0;
@@ -161,11 +161,11 @@ function burinBenchScene(element, data, options = {}) {
     stroke([eye.at_mm, on_floor(eye.at_mm)], '#888', 1, 0.7, [2, 3]);
     if (eye.sigma_mm)
       ellipsoid(eye.at_mm, eye.sigma_mm.map((s, i) => [0, 1, 2].map((j) => (i === j ? factor * s : 0))), '#2a6fd6', 0.3);
-    // Of many photos only the designed views are named.
+    // With many photos, only the designed views have names.
     if (data.eyes.length <= 8 || eye.tolerance_mm || !data.eyes.some((e) => e.tolerance_mm)) say(eye.name, eye.at_mm);
   }
 
-  // The shadow on the floor of where the eye may be: the ellipse of the half axes' projections.
+  // Shadow of the eye's tolerance on the floor: the ellipse of the half axes' projections.
   function draw_ring(eye, stroke, fill, accent) {
     const axes = state.hung ? [0, 2] : [0, 1], foot = on_floor(eye.at_mm);
     let xx = 0, xy = 0, yy = 0;
@@ -199,7 +199,7 @@ function burinBenchScene(element, data, options = {}) {
     say(lamp.name, lamp.at_mm, 13);
   }
 
-  // What can be dragged: the eye that looks now, and the lamp that shines now.
+  // Draggable objects: the present eye and the present lamp.
   function draw_handles(g, say, ink, accent) {
     for (const [p, color] of [[state.eye, '#2a6fd6'], [state.lamp, accent]]) {
       if (!p) continue;
@@ -231,7 +231,7 @@ function burinBenchScene(element, data, options = {}) {
     state.tilt = Math.min(1.55, Math.max(-0.3, state.tilt + dy));
     refresh();
   }
-  // A place dragged over the screen moves in the plane that we look at.
+  // A dragged place moves in the plane parallel to the screen.
   function move(p, dx, dy) {
     return add(add(p, view.right, dx / view.unit_px), view.upward, -dy / view.unit_px);
   }

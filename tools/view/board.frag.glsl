@@ -1,13 +1,14 @@
-// Radiance of one pixel from its scratches' sums, the plain face and the surroundings (5.1 to 5.4), as a screen shows it.
+// Radiance of one pixel from its scratches' sums, the plain face and the surroundings (docs/model.md 5.1 to 5.4), encoded for
+// a screen.
 in vec2 vPlace;
 uniform sampler2D uSums;
 uniform float uPixelArea, uLightUnit;
 uniform float uBaseAlpha;
 uniform vec3 uF0, uIntensity, uAmbient;
 uniform float uExposure;
-uniform int uStored;              // 0: as a screen shows it; 1: radiance * exposure, to be measured or added to; 2: its root
-uniform sampler2D uBefore;        // what other lights sent
-uniform int uHasBefore;           // 0: none did; else as uStored
+uniform int uStored;              // 0: encoded for a screen; 1: radiance * exposure, for measurements and sums; 2: its square root
+uniform sampler2D uBefore;        // sum of the lights before
+uniform int uHasBefore;           // 0: no light before; else as uStored
 out vec4 oColor;
 
 const float kPi = 3.14159265358979;
@@ -17,7 +18,7 @@ vec3 to_srgb(vec3 v) {
 }
 
 void main() {
-  // As `burin render`: a pixel whose footprint is not whole on the face shows none of it.
+  // As in `burin render`, a pixel with a footprint partly outside of the face is empty.
   vec2 dx = dFdx(vPlace), dy = dFdy(vPlace), reach = 0.5 * (abs(dx) + abs(dy));
   if (any(lessThan(vPlace, reach)) || any(greaterThan(vPlace + reach, uBoard))) discard;
   float area = max(abs(dx.x * dy.y - dx.y * dy.x), 1e-12);

@@ -1,4 +1,4 @@
-// The face as a mesh, so that bow and lens bend it as they bend the scratches.
+// The face as a mesh, which bow and lens deform like the scratches.
 in vec2 aPlace;                   // 0 to 1 over the board
 out vec2 vPlace;                  // mm
 

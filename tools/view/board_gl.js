@@ -1,24 +1,24 @@
-// board_gl.js - the board's picture by WebGL2: every scratch with its glint in closed form, summed over pixels, shown as
-// `burin render` shows it (docs/model.md 3 to 5). Frame: board, mm.
+// board_gl.js - renders the board with WebGL2: each scratch's glint in closed form, summed per pixel, displayed as in
+// `burin render` (docs/model.md 3 to 5). Frame: board, mm.
 //
-//   const board = burinBoard(canvas, shaders)                 null where there is no WebGL2
+//   const board = burinBoard(canvas, shaders)                 null without WebGL2
 //   board.set_scratches(rows)                                 as tools/view/packed_scratches.h packs them
 //   board.draw(scene, lights, look, eye, exposure)
 //     scene: size_mm, bow_mm, material, ambient
-//     lights, which shine at once: [{ at, axis, falloff_exponent, intensity }, ...]; surroundings shine once
+//     lights, all on together: [{ at, axis, falloff_exponent, intensity }, ...]; the surroundings count once
 //     look: { flat: [x0, y0, x1, y1] mm } or { R, T, lens: [fx, fy, cx, cy], k: 12 of OpenCV's }
-//   board.white(...): the exposure at which all but the brightest half per cent of the lit pixels are below white
+//   board.white(...): the exposure at which the brightest half per cent of the lit pixels clips
 'use strict';
 
 function burinBoard(canvas, shaders) {
   const gl = canvas.getContext('webgl2', { antialias: false, alpha: false, preserveDrawingBuffer: true });
   if (!gl) return null;
-  const forced = /[#&]sums=(8|16)/.exec(location.hash);  // to try what lesser machines do
+  const forced = /[#&]sums=(8|16)/.exec(location.hash);  // to test the paths of weaker machines
   const float_targets = !(forced && forced[1] === '8') && gl.getExtension('EXT_color_buffer_float');
   const full = float_targets && !forced && gl.getExtension('EXT_float_blend');
   const format = full ? gl.RG32F : float_targets ? gl.RG16F : gl.RGBA8;
-  const kEncoded = 0, kLinear = 1, kRoots = 2;  // how board.frag.glsl keeps a picture: for screens; to be measured or added
-  const kGrid = 48;  // cells to a side of a face that bow or lens bend
+  const kEncoded = 0, kLinear = 1, kRoots = 2;  // output of board.frag.glsl: for screens; for measurements and sums
+  const kGrid = 48;  // cells along a side of a face bent by bow or lens
 
   function compiled(type, text) {
     const shader = gl.createShader(type);
@@ -70,14 +70,14 @@ function burinBoard(canvas, shaders) {
     for (let i = 0; i < numbers.length; ++i) numbers[i] = text.charCodeAt(2 * i) | text.charCodeAt(2 * i + 1) << 8;
     return numbers;
   }
-  function nearest() {  // tables and sums are read as they are; float textures have no other way
+  function nearest() {  // tables and sums need exact values; float textures support nothing else
     for (const filter of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_2D, filter, gl.NEAREST);
   }
   function set_scratches(packed) {
     rows = packed;
     if (sets.has(packed)) return;
     const kColumns = 1024, lines = Math.max(1, Math.ceil(packed.count / kColumns)), range = {};
-    const table = (numbers) => {  // four 16-bit numbers a scratch
+    const table = (numbers) => {  // four 16-bit numbers per scratch
       const texture = gl.createTexture(), whole = new Uint16Array(4 * kColumns * lines);
       whole.set(numbers);
       gl.bindTexture(gl.TEXTURE_2D, texture);
@@ -134,7 +134,7 @@ function burinBoard(canvas, shaders) {
     gl.uniform4f(places.uLens, ...lens);
     ['uK0', 'uK1', 'uK2'].forEach((name, i) => gl.uniform4f(places[name], ...k.slice(4 * i, 4 * i + 4)));
     const middle = scene.size_mm.map((v) => v / 2), z = R[2][0] * middle[0] + R[2][1] * middle[1] + T[2];
-    const along = R[0][0] * R[1][1] - R[0][1] * R[1][0];  // the face's part that is seen from the middle of the picture
+    const along = R[0][0] * R[1][1] - R[0][1] * R[1][0];  // foreshortening of the face
     return z * z / Math.max(0.1, Math.abs(along)) / (lens[0] * lens[1]);
   }
   function set_light(places, light, eye, lamp) {
@@ -144,8 +144,8 @@ function burinBoard(canvas, shaders) {
     gl.uniform1f(places.uExponent, light.falloff_exponent);
   }
 
-  // How much of a sum counts as 1: pixels' own area, less where 8 bits must hold what white needs.
-  // `before`: null, or the picture so far, which is added.
+  // Value of a sum that counts as 1: the pixel's own area, or less if 8 bits must represent white.
+  // `before`: null, or the previous picture, to which this one is added.
   function render(scene, light, look, eye, exposure, stored, before, frame, width, height) {
     const lamp = light.at;
     sums = target(sums, width, height, format);
@@ -158,7 +158,7 @@ function burinBoard(canvas, shaders) {
     gl.useProgram(scratches.program);
     let places = scratches.places;
     const area = set_camera(places, scene, look, width, height);
-    // In 8 bits a sum of 1 is what makes the board's middle white twice over.
+    // In 8 bits, a sum of 1 corresponds to twice white at the board's center.
     const middle = [scene.size_mm[0] / 2, scene.size_mm[1] / 2, 0];
     const far = middle.reduce((sum, v, i) => sum + (v - lamp[i]) ** 2, 0);
     const unit = area * (float_targets ? 1 : 8 * far / Math.max(1e-12, exposure * Math.max(...light.intensity)));
@@ -210,7 +210,7 @@ function burinBoard(canvas, shaders) {
     gl.bindVertexArray(null);
   }
 
-  // What every light sends, one after the other, added to what those before it sent; the last into the frame.
+  // Adds up the lights one after the other; the last pass draws into the frame.
   function render_all(scene, lights, look, eye, exposure, stored, frame, width, height) {
     let before = null;
     lights.forEach((light, i) => {
@@ -225,7 +225,7 @@ function burinBoard(canvas, shaders) {
     if (lost) return;
     render_all(scene, lights, look, eye, exposure, kEncoded, null, canvas.width, canvas.height);
   }
-  // Null where this machine cannot measure (no float targets).
+  // Null if this machine cannot measure (no float targets).
   function white(scene, lights, look, eye, width, height) {
     if (lost || !float_targets) return null;
     measure = target(measure, width, height, gl.RGBA32F);

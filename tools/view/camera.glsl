@@ -1,10 +1,10 @@
-// Where a point of the board appears: pixels of the canvas as WebGL counts them (the lower-left corner of the lower-left pixel is
-// (0, 0)), and its depth. Either as a camera sees it, lens and all, or laid flat. docs/model.md 1.
+// Projects a point of the board, through a camera with its lens, or flat (docs/model.md 1). Returns pixels of the canvas in
+// WebGL's convention (the lower-left corner of the lower-left pixel is (0, 0)), and the depth.
 uniform int uFlat;
 uniform vec4 uFlatMap;            // flat: pixel = xy + zw * board mm
 uniform mat3 uR;                  // camera: T_camera_board
 uniform vec3 uT;
-uniform vec4 uLens;               // fx, fy, cx, cy, of the canvas' own pixels: y downwards, (0, 0) the first pixel's center
+uniform vec4 uLens;               // fx, fy, cx, cy, in the canvas' own pixels: y downwards, (0, 0) is the first pixel's center
 uniform vec4 uK0, uK1, uK2;       // OpenCV's k1 k2 p1 p2, k3 k4 k5 k6, s1 s2 s3 s4
 uniform vec2 uCanvas;             // size, pixels
 uniform vec2 uBoard;              // size, mm

@@ -1,14 +1,14 @@
-// What one scratch brings to one pixel: light and covered area (5.1, 5.2), exactly by the length of its line inside the pixel's
-// square; wide grooves are several lines side by side.
+// Contribution of one scratch to one pixel: light and covered area (docs/model.md 5.1, 5.2). It is proportional to the exact
+// length of the scratch's line inside the pixel's square; wide grooves consist of several parallel lines.
 in float vLight;
 flat in vec4 vEnds;
 flat in vec2 vAcross;
 in vec2 vLine;
 flat in vec2 vSize;
-uniform float uPixelArea;        // mm^2, about: what the covered area is counted in
+uniform float uPixelArea;        // approximate, mm^2: unit of the covered area
 out vec4 oSum;
 
-// The part of the line that lies inside the unit square around 0.
+// Share of the line inside the unit square around 0.
 float inside(vec2 a, vec2 b) {
   vec2 d = b - a;
   d = mix(d, vec2(1e-7), lessThan(abs(d), vec2(1e-7)));

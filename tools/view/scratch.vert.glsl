@@ -1,22 +1,22 @@
-// A scratch as a strip of pixels: its two ends on the screen, and at each the light that it sends to the eye, per mm, by the
-// closed form of docs/model.md 4 taken over the groove's whole width. Four vertices a scratch, which it reads from a table by
-// their number: instances of four vertices each are slow on many machines.
-uniform highp usampler2D uRows;   // middle's x and y, direction, length
-uniform highp usampler2D uOwn;    // width, depth, alpha, where rows have their own
+// A scratch as a strip of pixels: its two ends on the screen, and the light from each end to the eye, per mm. The light follows
+// from the closed form of docs/model.md 4 over the groove's whole width. The shader reads four vertices per scratch from a
+// table by their index, because instances of four vertices each are slow on many machines.
+uniform highp usampler2D uRows;   // x and y of the center, direction, length
+uniform highp usampler2D uOwn;    // width, depth, alpha of rows with values of their own
 uniform int uHasOwn;
-uniform vec4 uArea;               // what the first two stand for: smallest, and how much more the largest is, mm
+uniform vec4 uArea;               // range of the centers, mm: minimum, and maximum - minimum
 uniform float uLongest;           // mm
-uniform vec2 uWidth, uDepth, uAlpha;  // of wt and d in mm, and of alpha: smallest, and how much more the largest is
-uniform float uPixelArea, uLightUnit; // mm^2 of a pixel, about, and how much of Dhat G in it counts as 1
+uniform vec2 uWidth, uDepth, uAlpha;  // ranges of wt and d in mm, and of alpha: minimum, and maximum - minimum
+uniform float uPixelArea, uLightUnit; // approximate area of a pixel, mm^2, and the Dhat G in it that counts as 1
 out float vLight;                 // Dhat G per mm of length
 flat out vec4 vEnds;              // on the screen
-flat out vec2 vAcross;            // a mm across, on the screen
-out vec2 vLine;                   // where across the light comes from, mm: mean and standard deviation
+flat out vec2 vAcross;            // 1 mm across the groove, on the screen
+out vec2 vLine;                   // origin of the light across the groove, mm: mean and standard deviation
 flat out vec2 vSize;              // length and half width w, mm
 
 const float kPi = 3.14159265358979;
 
-// W's integral over the groove (4.2), and where in t the glint lies: mean and standard deviation.
+// W's integral over the groove (4.2), and the glint's place in t: mean and standard deviation.
 vec3 glint(vec3 h, float alpha, float rim) {
   float r = sqrt(max(0.0, (1.0 - alpha) * (1.0 + alpha)));
   float H2 = h.x * h.x + h.z * h.z, H = sqrt(H2);
@@ -33,13 +33,13 @@ vec3 glint(vec3 h, float alpha, float rim) {
   float g = 2.0 * (1.0 - s2 / p), f = 2.0 * e / p, c = 2.0 / p + 1.0;                 // 4.8
   float front = ((1.0 / (p * p) + 1.0 / p) * (t2 - t1) + (c * g + f * f) * J1 - c * f * K1 +
                  (g * g - f * f * s2) * J2 - 2.0 * g * f * K2) / p;
-  float back = 0.0;                                                                   // smooth: three nodes are many
+  float back = 0.0;                                                                   // smooth: three nodes suffice
   for (int i = -1; i <= 1; ++i) {
     float t = 0.5 * (lo + hi) + 0.5 * (hi - lo) * 0.7745966692 * float(i);
     float R = (1.0 + t * t) / (p - 2.0 * e * t + q * t * t);
     back += (i == 0 ? 8.0 : 5.0) / 18.0 * (hi - lo) * (R * R + R);
   }
-  // Across the groove the light lies as 1 / N^2 does, in x = tau / s.
+  // Across the groove, the light is distributed like 1 / N^2, in x = tau / s.
   float x1 = t1 / s, x2 = t2 / s;
   float m0 = 0.5 * (x2 / (1.0 + x2 * x2) - x1 / (1.0 + x1 * x1) + atan(x2) - atan(x1));
   float m2 = 0.5 * (atan(x2) - atan(x1) - x2 / (1.0 + x2 * x2) + x1 / (1.0 + x1 * x1));
@@ -79,7 +79,7 @@ void main() {
   vAcross = (to_pixel(vec3(c, face_height(c))).xy - 0.5 * (A.xy + B.xy)) / step;
   vEnds = vec4(A.xy, B.xy);
   vSize = vec2(size, 0.5 * width * rim);
-  // All pixels that it may touch: half a pixel's diagonal around it.
+  // Covers all pixels in reach: half a pixel's diagonal around the groove.
   vec2 d = B.xy - A.xy;
   float length_px = length(d);
   vec2 y = length_px > 1e-6 ? d / length_px : vec2(1.0, 0.0), x = vec2(y.y, -y.x);

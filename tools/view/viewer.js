@@ -1,5 +1,5 @@
-// viewer.js - the page of `burin view`: an eye and a lamp that are moved, and the board as it then glints.
-// Frame: board, mm (docs/model.md 1). What comes after # in the address sets the page up:
+// viewer.js - the page of `burin view`: a movable eye, a movable lamp, and the resulting picture of the board.
+// Frame: board, mm (docs/model.md 1). The address sets the page up, after #:
 //   view=NAME, light=ID, board=0 (the first), look=seen|flat|photo, exposure=auto|NUMBER, eye=X,Y,Z, lamp=X,Y,Z,
 //   picture (the picture alone), size=WxH (of it, in the screen's own pixels)
 'use strict';
@@ -38,7 +38,7 @@
     walk: null, tilt: null, tilted: null, quality: 1, picture_only: Boolean(asked.picture) };
   const now = () => data.boards[state.board];
   const place = () => now().pictures[state.picture];
-  const light = () => now().lights[place().lights[0]];  // the one that is moved; the others keep their places beside it
+  const light = () => now().lights[place().lights[0]];  // the movable one; the others keep their offsets from it
 
   // ---- places -------------------------------------------------------------------------------------------------------------
   function kept_above(p) {
@@ -47,7 +47,7 @@
     const k = level > 0 ? Math.sqrt(1 - z * z) / level : 0;
     return add(middle, u[2] < z ? [u[0] * k, u[1] * k, z] : u, Math.min(r, 100 * Math.hypot(...data.size_mm)));
   }
-  // On a sphere about the board's middle: to the right and up, as seen from there.
+  // On a sphere about the board's center: to the right and up, seen from the place.
   function swung(p, right, up) {
     const d = add(p, middle, -1), r = Math.hypot(...d);
     const longitude = Math.atan2(d[0], d[2]) + right;
@@ -56,18 +56,18 @@
     return kept_above(add(middle, [Math.sin(a) * Math.cos(b), Math.sin(b), Math.cos(a) * Math.cos(b)], r));
   }
   const scaled = (p, k) => kept_above(add(middle, add(p, middle, -1), k));
-  function between(a, b, t) {  // along the great circle, and the distance evenly
+  function between(a, b, t) {  // along the great circle, with evenly changing distance
     const p = add(a, middle, -1), q = add(b, middle, -1), rp = Math.hypot(...p), rq = Math.hypot(...q);
     const angle = Math.acos(Math.max(-1, Math.min(1, dot(p, q) / (rp * rq))));
     const k = angle > 1e-6 ? [Math.sin((1 - t) * angle) / Math.sin(angle), Math.sin(t * angle) / Math.sin(angle)] : [1 - t, t];
     return add(middle, add(p.map((v) => v / rp * k[0]), q.map((v) => v / rq), k[1]), rp + t * (rq - rp));
   }
-  // Where eye and lamp are for a board that is turned in the hand.
+  // Eye and lamp relative to a rotated board.
   function seen_from() {
     if (!state.tilted) return [state.eye, state.lamp];
     return [state.eye, state.lamp].map((p) => kept_above(add(middle, turned(state.tilted, add(p, middle, -1)))));
   }
-  // All that shine on a place when its first lamp stands there: { light, at }. Colors as white is to look white.
+  // All lights of a place when its first lamp is at this position: { light, at }, with white balance.
   function shining(lamp) {
     const g = place().gains, way = add(lamp, state.tilted ? turned(state.tilted, add(light().at_mm, middle, -1)) : light().at_mm, -1);
     const moved = Math.hypot(...way) > 1e-9;
@@ -87,7 +87,7 @@
   }
 
   // ---- exposure -----------------------------------------------------------------------------------------------------------
-  // Eyes adapt: near a place its picture's own exposure, between places one between.
+  // Eyes adapt: near a place its picture's own exposure, between places an interpolated one.
   function exposure_at(eye) {
     if (state.exposure) return state.exposure * 2 ** state.brightness;
     let sum = 0, weights = 0;
@@ -117,7 +117,7 @@
       return { R, T: turned(R, eye).map((v) => -v), k: lens.k,
         lens: [fx * k, fy * k, (cx + 0.5) * k - 0.5 + x, (cy + 0.5) * k - 0.5 + y] };
     }
-    // As someone sees it who looks at the board's middle: whole, upright, as large as the canvas allows.
+    // View towards the board's center: whole, upright, as large as the canvas allows.
     const target = [data.size_mm[0] / 2, data.size_mm[1] / 2, 0], forward = unit(add(target, eye, -1));
     const right = unit(cross(forward, Math.abs(forward[1]) < 0.999 ? [0, 1, 0] : [0, 0, -1])), down = cross(forward, right);
     const R = [right, down, forward], T = turned(R, eye).map((v) => -v);
@@ -164,7 +164,7 @@
     queued = true;
     requestAnimationFrame(frame);
   }
-  // Where a frame takes too long, the picture is coarser while something moves, and whole again when it rests.
+  // If a frame takes too long, the picture is coarser during a movement, and complete afterwards.
   function frame(time) {
     queued = false;
     if (state.walk) walk_on(time);
@@ -217,7 +217,7 @@
   }
   const pressed = (id, on) => by_id(id).setAttribute('aria-pressed', String(on));
 
-  // ---- what can be done -----------------------------------------------------------------------------------------------------
+  // ---- actions -----------------------------------------------------------------------------------------------------
   function set_board(index) {
     const at_place = add(state.eye || [0, 0, 0], place().eye_mm, -1).every((v) => Math.abs(v) < 1e-9);
     state.board = index;
@@ -260,7 +260,7 @@
     changed();
   }
 
-  const kLeg_ms = 2600, kPause = 0.35;  // from one place to the next; of it, standing still
+  const kLeg_ms = 2600, kPause = 0.35;  // from one place to the next; share of it without movement
   function walk_on(time) {
     const all = now().pictures, order = all.map((_, i) => i)
       .sort((a, b) => Math.atan2(...[0, 2].map((i) => add(all[a].eye_mm, middle, -1)[i])) -
@@ -288,8 +288,8 @@
     changed();
   }
 
-  // The phone is the board: eye and lamp stay where they are in the room. W3C, Device Orientation: alpha, beta, gamma turn
-  // about z, x, y, one after the other.
+  // The phone acts as the board, with eye and lamp fixed in the room. W3C, Device Orientation: alpha, beta, gamma are
+  // rotations about z, x, y, one after the other.
   function orientation(event) {
     if (event.alpha === null && event.beta === null) return;
     const [a, b, c] = [event.alpha || 0, event.beta || 0, event.gamma || 0].map((v) => v * Math.PI / 180);
@@ -314,7 +314,7 @@
     }
     const say = (text) => { by_id('status').textContent = told = text; };
     if (!('DeviceOrientationEvent' in window)) { say('This device does not say how it is held.'); return; }
-    if (typeof DeviceOrientationEvent.requestPermission === 'function') {  // iOS asks, and only upon a touch
+    if (typeof DeviceOrientationEvent.requestPermission === 'function') {  // iOS asks for permission, only after a touch
       let answer = 'denied';
       try { answer = await DeviceOrientationEvent.requestPermission(); } catch (error) { answer = 'denied'; }
       if (answer !== 'granted') { say('The device was not allowed to say how it is held.'); return; }
@@ -332,12 +332,12 @@
     const settle = () => { changed(); setTimeout(changed, 300); };
     if (document.fullscreenElement) { document.exitFullscreen().then(settle); return; }
     if (stage.classList.contains('showing')) { stage.classList.remove('showing'); settle(); return; }
-    const without = () => { stage.classList.add('showing'); settle(); };  // a phone that grants it to videos only
+    const without = () => { stage.classList.add('showing'); settle(); };  // some phones allow it for videos only
     if (stage.requestFullscreen) stage.requestFullscreen().then(settle, without);
     else without();
   }
 
-  // ---- hands --------------------------------------------------------------------------------------------------------------
+  // ---- pointers and keys --------------------------------------------------------------------------------------------------------------
   const fingers = new Map();
   canvas.addEventListener('pointerdown', (event) => {
     canvas.setPointerCapture(event.pointerId);
@@ -352,7 +352,7 @@
       const apart = (p) => Math.max(1, Math.hypot(p[0] - other[0], p[1] - other[1]));
       come(apart(before) / apart(at));
     } else {
-      const k = 1.2 / Math.max(300, canvas.getBoundingClientRect().width);  // the canvas' width: some 70 degrees
+      const k = 1.2 / Math.max(300, canvas.getBoundingClientRect().width);  // the canvas' width: about 70 degrees
       swing(dx * k, -dy * k);
     }
     fingers.set(event.pointerId, at);
@@ -434,11 +434,11 @@
   tell();
   by_id('speed').textContent = `${data.rows[now().rows].count} grooves; sums in ${board.sums}; drawn by ${board.machine}.`;
 
-  // For tests, and for whoever is curious in the console.
+  // For tests and the console.
   window.burinView = {
     state, draw, stand, board,
     picture: () => { state.quality = 1; draw(); return canvas.toDataURL('image/png'); },
-    // Milliseconds a frame, n frames one after the other, each waited for.
+    // Milliseconds per frame over n frames, with a wait for each.
     time(n = 10, width = canvas.width, height = canvas.height) {
       const [eye, lamp] = seen_from(), old = [canvas.width, canvas.height];
       canvas.width = width; canvas.height = height;
