@@ -76,7 +76,7 @@ std::shared_ptr<void> add_toolpath_options(CLI::App& command);
 /// Adds --f-number: the aperture of photos without one in their EXIF data. 0: not given.
 void add_f_number_option(CLI::App& command, double& f_number);
 
-/// Type name of options with a file as value. Forwarding an option adapts this path to the other working folder.
+/// Type name of options with a file as value. Forwarding commands rebase these paths.
 inline constexpr const char* kFile = "FILE";
 
 /// CLI11 check of an option for a time, with any default unit. Returns an empty string for a good value.

@@ -122,7 +122,7 @@ std::vector<Finding> matched_findings(const Matching& matching, const std::files
 /// distances and the deciding options. `where`: the file of the measured bench.
 void require_complete(const Matching& matching, const std::filesystem::path& where);
 
-/// "4 mm to the right, 2 mm down, 8 mm further away; 9 mm and 0.54 degrees in all".
+/// "4.0 mm to the right, 2.0 mm down, 8.0 mm further away; 9.2 mm and 0.54 degrees in all".
 std::string in_words(const Offset& offset);
 
 /// Parses "middle=v01" into `names`. Throws Error, naming `option`, for text without "=", an empty side, or a repeated

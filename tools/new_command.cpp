@@ -1,5 +1,5 @@
 // burin new - makes a project from pictures: board with tags, bench, design, and a preview in seconds. Missing values
-// have defaults, or are asked for at a terminal. The work is in tools/new.
+// have defaults, or come from questions at a terminal. The work is in tools/new.
 #include <unistd.h>
 
 #include <CLI/Error.hpp>

@@ -33,7 +33,7 @@ std::vector<DesignedPlace> designed_places(const DesignSpec& design, const Bench
 PlanFocus plan_focus(const Board& board, const Bench& bench, const std::vector<DesignedPlace>& designed,
                      double focus_mm, const std::string& range);
 
-/// "Focus once at 500 mm, at f/8 or smaller: from 452 to 559 mm is sharp. Leave focus and zoom as they are."
+/// Returns the instruction for the common focus, with the aperture and the range in focus, mm.
 std::string focus_in_words(const PlanFocus& focus);
 
 /// Reports designed views that no photo can show, focus outside the range, and missing places within it.

@@ -41,12 +41,12 @@ std::optional<NextBoard> next_board(const RoundsQuality& rounds);
 /// (D. Salomon, Data Compression: The Complete Reference, 4th edition, 2007, section 4.2.2).
 inline constexpr double kSeen_db = 0.5;
 
-/// Returns true if the photographed board cannot improve visibly on this bench. It must reach the prediction; the next
-/// board must gain less than kSeen_db on average and less than twice as much in any picture.
+/// Returns true if the photographed board cannot improve visibly on this bench. It must reach its prediction within
+/// kSeen_db. The next board must gain less than kSeen_db on average and less than twice as much in any picture.
 bool is_last(const NextBoard& next);
 
-/// "hang the board of round 2: it shows 26.9 dB, 27.2 dB were promised, and another board would gain 0.4 dB, which
-/// nobody sees".
+/// Returns a sentence that recommends the photographed board, with its PSNR, its prediction and the gain of another
+/// board.
 std::string hang_in_words(const NextBoard& next);
 
 }  // namespace burin

@@ -72,7 +72,7 @@ void run(SheetArguments options) {
                file);
     written += (written.empty() ? "" : " and ") + file.string();
   }
-  const fs::path plan = options.project / "plan.json";  // the same photos for burin watch
+  const fs::path plan = options.project / "plan.json";  // `burin watch` needs the same photos
   write_text(plan_text(sheet.plan, wanted.board, sheet.focus, plan), plan);
   all.put();
   record_sheet({options.project}, wanted, out);

@@ -37,7 +37,8 @@ void end_on_signals(const std::string& command_line, StopWords words);
 /// Exit code of a process after a request to stop: 130, 143, 129, ...; 0 without one.
 int stop_exit_code();
 
-/// Returns the sentence about the request: "stopped by Ctrl-C (SIGINT); ...". `kept`: the work kept its result.
+/// Returns the sentence about the request: "stopped by Ctrl-C (SIGINT) before it was done; ...". `kept`: the work kept
+/// its result.
 std::string stop_sentence(bool kept = false);
 
 /// Call this before a command's last message, such as an error. A later signal then waits for the message and keeps its

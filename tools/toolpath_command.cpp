@@ -103,8 +103,8 @@ std::string check_line(const ToolpathArguments& options, const ToolpathReport& r
   return "; next: " + command_text(words);
 }
 
-// Returns the commanded scratches with the G-code's decimals. They are read back from the files, because the machine
-// carves those.
+// Returns the commanded scratches with the G-code's decimals. They are read back from the files, which the machine
+// carves.
 Scratches told_by(const ToolpathReport& report) {
   Scratches told = report.sent.scratches;
   if (report.replayed.size() != told.size())

@@ -22,7 +22,7 @@ struct ToldOtherwise {
 /// measured bench.json. Returns nothing if neither exists. Throws Error for an unreadable board.json.
 std::vector<ToldOtherwise> told_otherwise(const Project& project, int round);
 
-/// "material.depth_um is 13, but round-01/board.json, which is carved and photographed, has 11"; and the remedy.
+/// in_words() names each value with both files; told_again() is the remedy: it restores the carved values.
 std::string in_words(const std::vector<ToldOtherwise>& numbers);
 std::string told_again(const Project& project, const std::vector<ToldOtherwise>& numbers);
 

@@ -13,8 +13,8 @@ namespace burin {
 /// Writes sheet.json after a sheet of that bench was written to these files.
 void record_sheet(const Project& project, const WantedBench& wanted, const std::vector<std::filesystem::path>& files);
 
-/// Returns the changes since then, in words: "the place of view \"d0\"", "the scratches, for which its photos were
-/// planned". Empty without changes, and without a sheet.
+/// Returns the changes since then, in words: places, or the scratches of the photo plan. Empty without changes, and
+/// without a sheet.
 std::string changed_since_sheet(const Project& project);
 
 }  // namespace burin

@@ -22,8 +22,7 @@ struct RoundDepth {
 /// with the commanded one within two sigmas or 3 %. Throws Error for unreadable files.
 std::optional<RoundDepth> depth_of_round(const Project& project, const LoopOptions& options, int number);
 
-/// "the machine makes 10.3 +- 0.1 um of 14 um that it is told: this board is designed 14 um deep, and told 19.0 um for
-/// it ...".
+/// Returns a sentence with the measured depth, the design's depth and the commanded one, with their sigmas.
 std::string in_words(const RoundDepth& depth);
 
 }  // namespace burin

@@ -26,8 +26,8 @@ std::map<std::string, std::string> photos_of_other_rounds(const Project& project
 /// Throws Error if a folder belongs to a round and holds photos, byte for byte, of another round.
 void refuse_photos_of_other_rounds(const std::filesystem::path& photos);
 
-/// Returns the folders for a round's photos: "round-01/photos", or "round-01/photos/red and round-01/photos/green, each
-/// photo into the folder of the lamp that shone on it alone".
+/// Returns the folders for a round's photos: "round-01/photos", or "round-01/photos/red and round-01/photos/green, ..."
+/// if there are several lamps.
 std::string photo_folders_in_words(const Project& project, int round);
 
 /// Returns the bench with the lamps of a round's photos: the one before that round. If the user added a lamp for a

@@ -83,7 +83,7 @@ std::vector<StageState> without_followers(const std::vector<StageState>& asking)
 /// Returns true if the stage is repeated without a question.
 bool is_made_by_itself(const StageState& state);
 
-/// "board.json changed, photos/a.png and 2 more are new, option machine was grbl and is linuxcnc".
+/// "board.json changed; photos/a.png is new".
 std::string in_words(const std::vector<StageChange>& changes);
 
 /// "done", "out of date: ...", "not begun", ...

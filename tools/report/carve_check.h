@@ -43,7 +43,7 @@ std::vector<std::string> unreadable_views(const std::filesystem::path& folder);
 /// Returns a short form of the page for a terminal.
 std::string carve_check_text(const CarveCheck& check);
 
-/// Returns the one question before the machine starts: "Sheet clamped, ...?".
+/// Returns the one question before the machine starts: "Is the sheet clamped, ...?".
 std::string carve_question(const CheckedCarving& checked, const CarveCheckFiles& files);
 
 /// Writes the page, self-contained and atomically. Pictures come from `files.folder`, if there is one.
