@@ -4,7 +4,7 @@
 // A page includes it in three steps:
 // 1. Put bench_scene_html() at the place of each scene.
 // 2. Put bench_scene_style() into its own <style>, and bench_scene_script() into its own <script> at the end of <body>.
-//   The script finds all scenes.
+//    The script finds all scenes.
 // 3. List both texts in content_policy() (tools/content_policy.h), exactly as between the tags.
 //
 // The data is in a <script type="application/json">, which no policy treats as a script. Without scripts, the page
@@ -28,8 +28,9 @@ std::string bench_scene_json(const Board& board, const Bench& bench, const std::
 std::string bench_scene_html(const Board& board, const Bench& bench, const std::vector<MatchTolerance>& tolerances,
                              const std::string& alt);
 
-/// Return script and style, which a page contains once for any number of scenes.
+/// Returns the script, which a page contains once for any number of scenes.
 std::string bench_scene_script();
+/// Returns the style, which a page contains once for any number of scenes.
 std::string bench_scene_style();
 
 /// Escapes JSON for a <script>: "<" is written so that it cannot start an end tag.
