@@ -1,15 +1,14 @@
-// burin/capture/bracket_response.h - a camera's curve, white balance and shutter from its brackets: the same place, lit
-// alike, exposed several times. docs/model.md 9.22. After Debevec and Malik (SIGGRAPH 1997) and Mitsunaga and Nayar
-// (CVPR 1999), with few numbers for the curve.
+// burin/capture/bracket_response.h - camera response function, white balance and shutter errors from exposure brackets.
+// docs/model.md 9.22. After Debevec and Malik (SIGGRAPH 1997) and Mitsunaga and Nayar (CVPR 1999), with few parameters
+// for the curve.
 //
-// Blocks of pixels that are flat in two exposures of a bracket say, for each color c,
+// Each block of pixels that is flat in two exposures of a bracket gives one equation per color c:
 //
 //   L(s_longer) - L(s_shorter) = log(ratio of the exposures) + e_longer + w_longer,c - e_shorter - w_shorter,c,
 //
-// L being the logarithm of the linear value of a stored one (Response and the file's encoding), e how much a photo was
-// exposed otherwise than its EXIF says, w its own white balance (of R and B; G is what others are balanced to), both
-// with a prior about 0. A response counts only where it predicts brackets that it was not fitted to better than none
-// does.
+// L is the logarithm of the linear value of a stored one (Response and the file's encoding). e is the error of a
+// photo's exposure against its EXIF. w is its white balance of R and B against G. Both have a prior about 0. A response
+// is kept only if it predicts held-out brackets better than no response does.
 #pragma once
 
 #include <Eigen/Core>
@@ -22,21 +21,22 @@
 
 namespace burin {
 
-/// What brackets tell of a camera.
+/// Camera response and white balances that brackets determine.
 struct BracketResponse {
-  Response response;        ///< none where the brackets do not ask for one
-  double change = 0;        ///< by which it moves ratios of light, standard deviation over stored levels 0.1 to 0.9
-  double change_sigma = 0;  ///< of that
-  double error_before = 0, error_after = 0;  ///< of the logarithm of a ratio of light: what brackets disagree by
-  /// Factors on R, G, B for each of the session's photos, about 1 within each bracket. Empty: none can be told from 1.
+  Response response;        ///< none if the brackets do not ask for one
+  double change = 0;        ///< standard deviation of its changes to ratios of light, over stored levels 0.1 to 0.9
+  double change_sigma = 0;  ///< standard error of `change`
+  double error_before = 0, error_after = 0;  ///< error of the logarithm of a ratio of light, without and with the fit
+  /// Factors on R, G, B for each of the session's photos, about 1 within each bracket. Empty: all are consistent with
+  /// 1.
   std::vector<Eigen::Vector3d> balance;
-  std::size_t brackets = 0;       ///< that were compared; 0: no view has two exposures
+  std::size_t brackets = 0;       ///< number of compared brackets; 0: no view has two exposures
   std::vector<Finding> findings;  ///< brackets that contradict their EXIF or the others
 };
 
-/// Looks at a few brackets first, and at all where those show something. `session`'s photos are read with the response
-/// and balance that they have; `fit_curve` false asks for balance alone, under the response that the first one has. A
-/// curve that would not be monotonic is not returned but named.
+/// Estimates response and balance from a few brackets first, and from all if these show an effect. Reads photos with
+/// the response and balance in `session`. `fit_curve` false fits the balance only, under the first photo's response. A
+/// curve that would not be monotonic becomes a finding and is not returned.
 BracketResponse bracket_response(const Session& session, bool fit_curve = true);
 
 }  // namespace burin

@@ -1,11 +1,9 @@
-// burin/capture/green_sites.h - photos of a sensor that measures one color a pixel: which pixels measured green.
-// docs/model.md 9.24a.
+// burin/capture/green_sites.h - color filter array: the pixels of a photo that measured green. docs/model.md 9.24a.
 //
-// Half of such a sensor's pixels measure green, a quarter each red and blue; the camera makes up the rest. Where glints
-// are smaller than a pixel that loses light: a program that looks for edges takes the neighbors that agree with one
-// another, and these are the dark ones. Photos with few bright glints lose most, up to two per cent, which looks like
-// another roughness and another depth. Where green was measured, brightness is measured, too
-// (keep_green_sites(), burin/scene/response.h).
+// Half of such a sensor's pixels measure green, a quarter each red and blue; the camera interpolates the rest.
+// Edge-directed demosaicing loses light of glints smaller than a pixel: it averages neighbors that agree, and these are
+// dark. Photos with few bright glints lose most, up to two per cent, which biases roughness and depth. Brightness is
+// reliable at the pixels that measured green (keep_green_sites(), burin/scene/response.h).
 #pragma once
 
 #include <span>
@@ -15,16 +13,16 @@
 
 namespace burin {
 
-/// What photos tell of their sensor's mosaic.
+/// Estimate of a sensor's color filter array.
 struct GreenSitesFound {
-  GreenSites sites = GreenSites::unknown;  ///< unknown: no mosaic shows (another sensor, or a photo made smaller)
-  /// Logarithm of how much stronger fine detail (its variance) is where green was measured than elsewhere, and its
-  /// standard error from the scatter over blocks of the photos.
+  GreenSites sites = GreenSites::unknown;  ///< unknown: no array shows (another sensor, or a reduced photo)
+  /// Logarithm of the ratio of fine detail (variance) at green sites to that elsewhere. Its standard error comes from
+  /// the scatter over blocks of the photos.
   double detail = 0, detail_sigma = 0;
 };
 
-/// Looks at up to four of the photos that are in color and not raw. What is made up from neighbors holds less fine
-/// detail than what was measured. Throws Error as read_photo() does.
+/// Examines up to four photos that are in color and not raw. Interpolated pixels hold less fine detail than measured
+/// ones. Throws Error as read_photo() does.
 GreenSitesFound find_green_sites(std::span<const Photo> photos);
 
 }  // namespace burin

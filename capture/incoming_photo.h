@@ -12,8 +12,8 @@ namespace burin {
 struct IncomingPhoto {
   std::filesystem::path file;
   Exif exif;
-  std::string unreadable;  ///< why its header could not be read; empty if it could
-  std::string light;       ///< the lamp that was on; empty: whoever asked for the photos knows
+  std::string unreadable;  ///< reason why its header could not be read; empty if it could
+  std::string light;       ///< the lamp that was on; empty: the caller's lamp
 };
 
 }  // namespace burin

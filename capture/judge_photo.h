@@ -1,8 +1,9 @@
-// burin/capture/judge_photo.h - one photo judged the moment it was taken, while the camera still stands there: tags,
-// exposure of paper and glints, sharpness, where the camera stood. Facts first; photo_faults() makes the sentences.
+// burin/capture/judge_photo.h - checks of one photo right after it was taken, while the camera is still in place: tags,
+// exposure of paper and glints, sharpness, camera position. judge_photo() returns facts; photo_faults() makes
+// sentences.
 //
-// Quick: tags are searched in a copy of at most three megapixels, and in the photo itself only where that leaves reason
-// to; edges are measured at full size. What photos say together is preflight's (burin/capture/preflight.h).
+// For speed, tags are searched in a copy of at most three megapixels. The photo itself is searched only if the copy
+// leaves doubt. Edges are measured at full size. burin/capture/preflight.h checks all photos of a session together.
 // Values: linear, 1 is the white level, of the brightest channel. Pixels are those of the sensor.
 #pragma once
 
@@ -22,73 +23,73 @@
 
 namespace burin {
 
-/// Where the focal length behind a pose comes from.
+/// Source of the focal length behind a pose.
 enum class LensFrom {
   nowhere,  ///< no pose
-  bench,    ///< the bench's lens, made to fit the photo's size
-  exif,     ///< the 35 mm equivalent that the photo tells
+  bench,    ///< the bench's lens, scaled to the photo's size
+  exif,     ///< the 35 mm equivalent in EXIF
   photo     ///< the tags themselves, seen at an angle
 };
 
-/// What one photo shows.
+/// Measurements of one photo.
 struct PhotoFacts {
   std::filesystem::path file;
   int width = 0, height = 0;
   Exif exif;
   std::optional<double> exposure_factor;  ///< exposure_s iso / 100 / f_number^2; ISO 100 and f/8 if EXIF has none
-  std::vector<TagLook> tags;              ///< the board's, sorted by id
-  std::vector<int> missing_tags;          ///< ids of the board's that are not seen
-  std::vector<int> stray_tags;            ///< ids that are seen where the board does not have them
+  std::vector<TagLook> tags;              ///< tags of the board, sorted by id
+  std::vector<int> missing_tags;          ///< ids of the board that are not seen
+  std::vector<int> stray_tags;            ///< seen ids at places where the board has no such tag
   double tag_side_px = 0;                 ///< median
-  double bright = 0;                      ///< what 0.5 % of the pixels exceed
+  double bright = 0;                      ///< value that 0.5 % of the pixels exceed
   double paper = 0;                       ///< median over the tags' white paper; 0 without tags
-  double paper_clipped = 0;               ///< share of that paper
-  /// Within the carve area (the tags' paper left out): the share of clipped pixels, and what 0.1 % exceed. None where
-  /// nothing tells where it lies in the photo.
+  double paper_clipped = 0;               ///< clipped share of that paper
+  /// Share of clipped pixels within the carve area, and the value that 0.1 % exceed; the tags' paper does not count.
+  /// None if the place of the carve area in the photo is unknown.
   std::optional<double> glints_clipped, glints_bright;
-  /// Gaussian width of the tags' edges, the pixel's own square included: the median over all sides, the worst tag's,
-  /// and how many times wider they are in one direction of the photo than in the other. None where no edge could be
-  /// measured.
+  /// Gaussian width of the tags' edges, the pixel's own square included: the median over all sides, and the worst
+  /// tag's. None if no edge could be measured. `one_way_blur` is the ratio of the widths in two directions of the
+  /// photo.
   std::optional<double> blur_px, worst_blur_px;
   double one_way_blur = 1;
   int worst_blur_tag = -1;
   std::optional<BoardPose> pose;
   LensFrom lens_from = LensFrom::nowhere;
   double focal_px = 0;
-  std::array<Eigen::Vector2d, 4> carve_px;  ///< corners of the carve area in the photo; of use where `carve_seen`
+  std::array<Eigen::Vector2d, 4> carve_px;  ///< corners of the carve area in the photo; valid if `carve_seen`
   bool carve_seen = false;
-  bool place_of_before = false;  ///< no tag is seen, so it was taken for the place of the photo before
+  bool place_of_before = false;  ///< no tag is seen, so the place of the previous photo is assumed
 
-  /// Where the camera stood, board frame.
+  /// Camera center, board frame.
   std::optional<Eigen::Vector3d> eye_mm() const;
 };
 
-/// Judges a photo of `board`. `believed`: the lens of the bench, if there is one; a photo whose EXIF tells a focal
-/// length that is more than a seventh off is judged by its own. `before`: the photo taken before this one; where this
-/// one is too dark to show a tag and was taken within a minute of it, at a shorter exposure, it is taken to show the
-/// same. `f_number`: of a photo whose EXIF has none; 0: not known. Throws Error for a file that is missing, broken, cut
-/// short, or of an unknown kind, and for a family of tags that AprilTag does not know.
+/// Judges a photo of `board`. `believed` is the bench's lens, if there is one. A photo whose EXIF focal length differs
+/// by more than a seventh is judged by its own. `before` is the previous photo. If this one is too dark to show a tag,
+/// and was taken within a minute at a shorter exposure, it counts as the same place. `f_number` applies to a photo
+/// without one in EXIF; 0: not known. Throws Error for a file that is missing, broken, cut short, or of an unknown
+/// kind, and for a tag family unknown to AprilTag.
 PhotoFacts judge_photo(const std::filesystem::path& file, const Board& board, const Lens* believed = nullptr,
                        const PhotoFacts* before = nullptr, double f_number = 0);
 
-/// White paper is best at this share of the white level: room for what is brighter, and little noise.
+/// Best level of white paper, as a share of the white level: headroom for brighter parts, and little noise.
 inline constexpr double kPaperAt = 0.6;
-/// So much of the carve area may be clipped before its glints count as clipped.
+/// Share of the carve area that may be clipped before its glints count as clipped.
 inline constexpr double kGlintsClipped = 0.001;
-/// So much of the tags' paper may be.
+/// Share of the tags' paper that may be clipped.
 inline constexpr double kPaperLost = 0.05;
 
-/// Whether tags can be measured in it: enough of them, sharp, their paper bright and not clipped.
+/// True if tags can be measured: enough of them, sharp, their paper bright and not clipped.
 bool shows_tags_well(const PhotoFacts& facts, const Board& board);
 
-/// Whether it holds the glints: none is clipped, and it is known to show the carve area.
+/// True if the photo holds the glints: none is clipped, and it is known to show the carve area.
 bool holds_glints(const PhotoFacts& facts);
 
-/// Whether it is too blurred for use, beside the sharpest of `others`.
+/// True if the photo is too blurred for use, compared with the sharpest of `others`.
 bool is_blurred(const PhotoFacts& facts, std::span<const PhotoFacts* const> others);
 
-/// What is wrong with a photo, by itself and beside the `others` of its session: errors for one that cannot be used,
-/// warnings for what spoils it. How bright it is is no fault: a bracket has dark photos.
+/// Faults of a photo, by itself and against the `others` of its session. Errors mark unusable photos; warnings mark
+/// faults that degrade it. Darkness is no fault: a bracket has dark photos.
 std::vector<Finding> photo_faults(const PhotoFacts& facts, const Board& board,
                                   std::span<const PhotoFacts* const> others);
 

@@ -1,8 +1,8 @@
-// burin/capture/lamp_folders.h - which lamp was on in which photo, by the folders that photos lie in: photos/red/ holds
-// those under the lamp "red" alone. Photos themselves do not tell.
+// burin/capture/lamp_folders.h - the lamp of each photo, by its folder: photos/red/ holds photos under the lamp "red"
+// alone. Photos themselves do not identify a lamp.
 //
-// A folder is a lamp's where its name is the lamp's, or the lamp's as a name of files (base/files/file_names.h), in
-// capitals or small letters.
+// A folder belongs to a lamp if its name is the lamp's, or the lamp's as a file name (base/files/file_names.h). Case
+// does not matter.
 #pragma once
 
 #include <filesystem>
@@ -11,10 +11,10 @@
 
 namespace burin {
 
-/// What is known of the lamps in a folder of photos.
+/// Known lamps of a folder of photos.
 struct PhotoLamps {
-  std::string of_folder;           ///< the lamp of photos in the folder itself; empty: nobody knows which was on
-  std::vector<std::string> names;  ///< lamps that folders within may be named after
+  std::string of_folder;           ///< the lamp of photos in the folder itself; empty: unknown
+  std::vector<std::string> names;  ///< lamps that may name subfolders
 };
 
 /// The folder of one lamp.
@@ -23,10 +23,10 @@ struct LampFolder {
   std::string light;
 };
 
-/// Those that are there, in the order of `lamps`; a folder that cannot be read counts as empty.
+/// Existing lamp folders, in the order of `lamps`. An unreadable folder counts as empty.
 std::vector<LampFolder> lamp_folders(const std::filesystem::path& photos, const std::vector<std::string>& lamps);
 
-/// The folder within `photos` for photos under `lamp`, one of `lamps`: as it is there, or as it is to be called.
+/// The folder within `photos` for photos under `lamp`, one of `lamps`: the existing one, or the name for a new one.
 std::filesystem::path lamp_folder(const std::filesystem::path& photos, const std::string& lamp,
                                   const std::vector<std::string>& lamps);
 

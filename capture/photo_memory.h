@@ -1,5 +1,4 @@
-// burin/capture/photo_memory.h - how many photos are held in memory at once: by their size, whatever the machine's
-// number of cores.
+// burin/capture/photo_memory.h - the number of photos in memory at once: by their size, for any number of cores.
 #pragma once
 
 #include <cstddef>
@@ -10,14 +9,14 @@
 
 namespace burin {
 
-/// A photo's pixels by its header; for a raw file that only its library can measure, and for one that cannot be read
-/// (which is said where it is read), as many as the largest has.
+/// A photo's pixels by its header. Raw files that only their library can measure, and unreadable files, count as the
+/// largest size; the reader reports the latter.
 double pixels_of(const std::filesystem::path& file);
 
-/// How many photos, or groups of them, of `pixels` in all each may be read at once: at least 1, at most `most`.
+/// The number of photos, or groups of photos with `pixels` pixels each, to read at once: at least 1, at most `most`.
 int groups_at_once(double pixels, int most);
 
-/// Throws Error where a bracket's exposures are too many pixels to be in memory together (limit::kBracketPixels).
+/// Throws Error if a bracket's exposures have too many pixels for memory together (limit::kBracketPixels).
 void require_bracket_fits(std::span<const Photo> bracket);
 
 }  // namespace burin

@@ -1,4 +1,4 @@
-// burin/capture/session.h - a session: photos of one board, which view and lamp each shows, and how it was exposed.
+// burin/capture/session.h - a session: photos of one board, each with its view, lamp and exposure.
 // docs/file-formats.md, `session.json`.
 #pragma once
 
@@ -21,25 +21,25 @@ struct Photo {
   double iso = 100;
   double f_number = 0;
   Encoding encoding = Encoding::linear;
-  /// How its stored values are read, beside the encoding (with_camera() fills it in from a bench).
+  /// Camera effects of its stored values, apart from the encoding (with_camera() copies them from a bench).
   Response response;
   Sharpening sharpening;
-  Eigen::Vector3d balance{1, 1, 1};  ///< factors on R, G, B that are divided out
+  Eigen::Vector3d balance{1, 1, 1};  ///< factors on R, G, B to divide out
   GreenSites green_sites = GreenSites::unknown;
   bool on_camera = false;  ///< the lamp rides on the camera: `light` is its name at this view (lamp_on_camera)
 };
 
 /// Photos of one bench (`session.json`).
 struct Session {
-  std::filesystem::path file;   ///< where it was read from; empty if it was not
+  std::filesystem::path file;   ///< source file; empty if there is none
   std::filesystem::path board;  ///< board.json
   std::vector<Photo> photos;
-  std::optional<Response> response;      ///< of all its photos, where it is known; none: sRGB's alone is "none" too
-  std::optional<Sharpening> sharpening;  ///< of all its photos, where it is known
+  std::optional<Response> response;      ///< of all its photos, if known; "none" also means sRGB alone
+  std::optional<Sharpening> sharpening;  ///< of all its photos, if known
 };
 
-/// The name of a lamp that rides on the camera, as a phone's torch does, while it stands at a view: "torch@v03". Where
-/// the camera stands elsewhere so does the lamp: it is another one for each view.
+/// The name of an on-camera lamp, such as a phone's torch, at a view: "torch@v03". The lamp moves with the camera, so
+/// each view has another lamp.
 std::string lamp_on_camera(const std::string& lamp, const std::string& view);
 
 /// Reads `session.json`. Throws Error on anything missing, unknown or out of range, photos that do not exist included.
@@ -51,10 +51,10 @@ void write_session(const Session& session, const std::filesystem::path& file);
 /// The name of a photo in a bench's balances: its path from the session's folder.
 std::string photo_name(const Session& session, const Photo& photo);
 
-/// The session with its photos read as that camera stores them: response, sharpening and balance of a measured bench.
+/// The session with the camera effects of a measured bench: response, sharpening and balance.
 Session with_camera(Session session, const Sensor& sensor);
 
-/// exposure_factor() of the photo's settings. Throws Error naming the photo where they give none.
+/// exposure_factor() of the photo's settings. Throws Error naming the photo if they give none.
 double exposure_factor(const Photo& photo);
 
 }  // namespace burin

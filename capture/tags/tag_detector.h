@@ -1,9 +1,9 @@
-// burin/capture/tags/tag_detector.h - AprilTags in a photo, with corners good to about 0.015 px.
+// burin/capture/tags/tag_detector.h - AprilTags in a photo, with corners accurate to about 0.015 px.
 //
-// AprilTag finds and decodes the tags on an 8-bit, gamma-compressed copy; each corner is then measured on the linear
-// values (docs/model.md 9, 'Corners'): along each of the four sides an edge of one blur, one black and one white level
-// is fitted to the pixels within half a module of the side, corners left out, and neighboring sides are intersected.
-// Pixels: the center of the top-left pixel is (0, 0). AprilTag's own convention has it at (0.5, 0.5): converted here.
+// AprilTag finds and decodes the tags on an 8-bit, gamma-compressed copy. Each corner is then measured on the linear
+// values (docs/model.md 9, 'Corners'). An edge with one blur, one black and one white level is fitted along each side,
+// to the pixels within half a module of the side without its corners. Neighboring sides are intersected. Pixels: the
+// center of the top-left pixel is (0, 0). AprilTag's own convention has it at (0.5, 0.5): converted here.
 #pragma once
 
 #include <array>
@@ -24,54 +24,55 @@ namespace burin {
 /// upper-left, the order of tag_corners_mm().
 struct TagDetection {
   int id = 0;
-  int hamming = 0;                           ///< bits that had to be corrected
-  double decision_margin = 0;                ///< AprilTag's: how clearly bits stand apart, of 255
-  std::array<Eigen::Vector2d, 4> coarse_px;  ///< as AprilTag reports them (about 0.04 px RMS)
+  int hamming = 0;                           ///< number of corrected bits
+  double decision_margin = 0;                ///< AprilTag's contrast between bits, of 255
+  std::array<Eigen::Vector2d, 4> coarse_px;  ///< AprilTag's own (about 0.04 px RMS)
   std::array<Eigen::Vector2d, 4> corner_px;  ///< refined
   std::array<double, 4> corner_sigma_px{};   ///< per axis, from the noise of the pixels alone
   double blur_px = 0;                        ///< Gaussian width of the edges, the pixel's own square included
-  std::array<double, 4> side_blur_px{};      ///< the same of each side; side i runs from corner i to corner i + 1
+  std::array<double, 4> side_blur_px{};      ///< blur of each side; side i runs from corner i to corner i + 1
 };
 
-/// Tags found in one photo, and those that were seen and not used.
+/// Tags found in one photo, and seen but unused ones.
 struct TagsInPhoto {
   std::vector<TagDetection> tags;  ///< sorted by id
   std::vector<RejectedTag> rejected;
 };
 
-/// When a tag is taken for one.
+/// Limits for accepted tags.
 struct TagDetectorOptions {
   int max_hamming = 1;
   double min_decision_margin = 20;
   double half_resolution_above_mpx = 4;  ///< photos with more megapixels are searched at half their resolution
   double min_side_px = 12;               ///< shorter sides cannot be refined
   double max_shift_px =
-      1.5;  ///< (or 3 % of a side) a refined corner further from AprilTag's is no corner of a clean tag
+      /// Largest distance of a refined corner of a clean tag from AprilTag's (or 3 % of a side).
+      1.5;
 };
 
-/// Finds the tags of one family. Owns AprilTag's tables (tens of MB): make one and use it for all photos.
-/// Not for use from two threads at once. Same photo, same result.
+/// Finds the tags of one family. It owns AprilTag's tables (tens of MB), so use one detector for all photos. Not for
+/// use from two threads at once. Same photo, same result.
 class TagDetector {
  public:
-  /// Throws Error for a family that libapriltag does not know, listing those it does.
+  /// Throws Error for a family unknown to libapriltag, with a list of the known ones.
   explicit TagDetector(const std::string& family, const TagDetectorOptions& options = {});
   ~TagDetector();
   TagDetector(TagDetector&&) noexcept;
   TagDetector& operator=(TagDetector&&) noexcept;
 
   /// Tags in a linear picture (1 or 3 channels, any scale). `valid`: width * height, 0 where a pixel is clipped or
-  /// unusable; empty if all are good. Only tags with an id in `ids` (all, if empty); of an id that is seen twice, none.
+  /// unusable; empty if all are good. Returns tags with an id in `ids` (all, if empty), and none with an id seen twice.
   TagsInPhoto detect(const Image& linear, std::span<const std::uint8_t> valid, std::span<const int> ids);
 
-  /// The same for tags that were `found` already, in a smaller copy say: coarse_px in pixels of this picture.
+  /// Measures tags that were `found` already, for example in a smaller copy: coarse_px in pixels of this picture.
   TagsInPhoto measure(const Image& linear, std::span<const std::uint8_t> valid, std::span<const int> ids,
                       std::vector<TagDetection> found);
 
-  /// AprilTag alone on an 8-bit picture, unfiltered, corners coarse (corner_px = coarse_px), pixel convention
+  /// AprilTag alone on an 8-bit picture: unfiltered, coarse corners (corner_px = coarse_px), pixel convention
   /// converted.
   std::vector<TagDetection> detect_coarse(std::span<const std::uint8_t> gray, int width, int height);
 
-  /// The same on a linear picture, gamma-compressed, its brightest half percent `brighter` times white.
+  /// AprilTag alone on a linear picture, gamma-compressed, its brightest half percent `brighter` times white.
   std::vector<TagDetection> detect_coarse(const Image& linear, double brighter = 1);
 
  private:
@@ -79,16 +80,16 @@ class TagDetector {
   std::unique_ptr<State> state_;
 };
 
-/// A detector of that family for the thread that asks, kept until it asks for another family: its tables take a while
-/// to make. Throws Error as TagDetector's constructor does.
+/// The calling thread's detector of that family, kept until the thread requests another family: its tables take time to
+/// make. Throws Error as TagDetector's constructor does.
 TagDetector& detector_of_this_thread(const std::string& family);
 
-/// For a photo in which no tag of `family` was found: a sentence's end saying what it holds instead, e.g. "it holds 19
-/// tags of family tag36h11" or "it is mirrored: flip it"; empty if nothing was found either.
+/// The end of a sentence for a photo without tags of `family`: its actual content, e.g. "it holds 19 tags of family
+/// tag36h11" or "it is mirrored: flip it"; empty if there is none.
 std::string explain_missing_tags(const Image& linear, std::span<const std::uint8_t> valid, const std::string& family);
 
-/// Where the line fit of TagDetector puts corners of a square whose sides are curved by the lens, minus where they are:
-/// subtract it from corner_px. `project_side(i, t)`: pixel of the point at fraction t from corner i to corner i + 1.
+/// Bias of TagDetector's line fit at the corners of a square whose sides the lens curves: fitted minus true corners.
+/// Subtract it from corner_px. `project_side(i, t)`: pixel of the point at fraction t from corner i to corner i + 1.
 template <typename ProjectSide>
 std::array<Eigen::Vector2d, 4> curved_side_bias_px(const ProjectSide& project_side, double skip_fraction) {
   // Lines through sampled sides by least squares, as offsets (c0 + c1 u) from the chord, u in [-1, 1].

@@ -1,4 +1,4 @@
-// burin/capture/tags/tag_look.h - the paper of tags that were found: how bright, how much of it clipped.
+// burin/capture/tags/tag_look.h - brightness and clipped share of the paper of found tags.
 #pragma once
 
 #include <cstdint>
@@ -12,9 +12,9 @@
 
 namespace burin {
 
-/// One look a tag, in the order of `found`, with their coarse corners; an id that was found twice is left out, and a
-/// tag none of whose white cells lies in the picture. `gray`: one channel, linear, 1 the white level; `clipped`: 1
-/// where a pixel is at that level. Throws Error for a family that AprilTag does not know.
+/// One look per tag with coarse corners, in the order of `found`. Ids found twice are left out, and so are tags without
+/// a white cell in the picture. `gray`: one channel, linear, 1 the white level; `clipped`: 1 where a pixel is at that
+/// level. Throws Error for a family unknown to AprilTag.
 std::vector<TagLook> look_at_tags(std::span<const TagDetection> found, const Image& gray,
                                   std::span<const std::uint8_t> clipped, const std::string& family);
 
