@@ -25,11 +25,11 @@ namespace burin {
 namespace {
 
 constexpr int kMostCurve = 2 + static_cast<int>(Response::kBumps);
-constexpr double kExposureSigma = 0.01, kBalanceSigma = 0.02;  // of e and w
-constexpr double kDarkest = 0.02, kBrightest = 0.96;           // stored values that are compared
-constexpr double kOtherError = 0.005;                          // of a logarithm
-// What JPEG, demosaicing and noise do to one level of brightness they do in all photos: as many brackets as one likes
-// do not average it away, but bent the curve so that all longer exposures came out 1 % too long.
+constexpr double kExposureSigma = 0.01, kBalanceSigma = 0.02;  // sigmas of the priors of e and w
+constexpr double kDarkest = 0.02, kBrightest = 0.96;           // range of compared stored values
+constexpr double kOtherError = 0.005;                          // error of a logarithm
+// JPEG, demosaicing and noise bias one level of brightness alike in all photos. More brackets do not average this error
+// away: without it the curve bent until all longer exposures came out 1 % too long.
 constexpr double kCommonError = 0.003;
 
 // Blocks of one level of brightness in two exposures.
@@ -38,12 +38,12 @@ struct BlockComparison {
   int longer = 0, shorter = 0, channel = 0;  // photos: indices into session.photos
   double s_longer = 0, s_shorter = 0;        // stored, plain encoding
   double log_ratio = 0, sigma = 0;
-  double alike = 1;  // comparisons of these levels, in all brackets and channels
+  double alike = 1;  // number of comparisons of these levels, in all brackets and channels
 };
 
 // A block of 4 x 4 pixels in the middle of 8 x 8, by channel.
 struct PixelBlock {
-  std::array<double, 3> mean{}, variance{};  // of the 4 x 4; of the 8 x 8, relative
+  std::array<double, 3> mean{}, variance{};  // mean of the 4 x 4; variance of the 8 x 8, relative
 };
 
 // None where pixels are clipped or scatter by more than `flat` of their mean.
@@ -71,24 +71,24 @@ std::optional<PixelBlock> flat_block(const LinearPhoto& photo, int x0, int y0, d
   return out;
 }
 
-// What the file stores of a linear value. Blocks are averaged in linear light, as well as it is known: a mean of stored
-// values would lean by their noise, which is a tenth of the darkest and more.
+// Stored value of a linear one. Blocks are averaged in linear light, as well as it is known. Noise biases a mean of
+// stored values, and in the darkest blocks it is a tenth and more.
 double stored_of(double linear, const Photo& photo) {
   return bent(photo.response, photo.encoding == Encoding::srgb ? linear_to_srgb(static_cast<float>(linear)) : linear);
 }
 
-// What rounding to stored levels does to the logarithm of a linear value. In smooth places all pixels of a level err
-// alike, and so do all photos, so that no number of blocks makes up for it: where it is large nothing is compared.
+// Rounding error of the logarithm of a linear value. In smooth places it is common to all pixels of a level and to all
+// photos, so more blocks do not reduce it. Levels with a large error are not compared.
 double rounding_error(const StoredAs& stored, double linear) { return 0.29 * linear_step(stored, linear) / linear; }
 constexpr double kCoarsest = 0.012;
 
-// The blocks of two exposures, level by level of brightness: what is common to a level's blocks is one comparison,
-// however many they are. A block counts by its longer exposure alone, and what a level's blocks come to decides whether
-// it is too dark: else those would be chosen that noise has made brighter in the shorter.
+// Compares the blocks of two exposures, level by level of brightness; each level is one comparison, for any number of
+// blocks. The longer exposure alone selects a block, and the level's mean decides if the level is too dark. Otherwise
+// the selection would favor blocks that noise made brighter in the shorter exposure.
 void compare(const Session& session, std::size_t bracket, int longer, int shorter, const LinearPhoto& a,
              const LinearPhoto& b, std::vector<BlockComparison>& out) {
-  constexpr double kFlat = 0.05, kFlatShort = 0.4;  // the latter leaves out what is no noise
-  // What is stored of noise, sharpened or denoised, has another mean than the light: by a part of its variance.
+  constexpr double kFlat = 0.05, kFlatShort = 0.4;  // the latter rejects differences beyond noise
+  // Sharpened or denoised noise shifts the stored mean against the light, by a part of its variance.
   constexpr double kOfVariance = 0.5;
   constexpr int kLevels = 48;
   constexpr double kFewestBlocks = 4;
@@ -136,7 +136,7 @@ void compare(const Session& session, std::size_t bracket, int longer, int shorte
 }
 
 void count_alike(std::vector<BlockComparison>& comparisons) {
-  constexpr double kApart = 1.0 / 16;  // of stored values
+  constexpr double kApart = 1.0 / 16;  // spacing in stored values
   const auto levels = [](const BlockComparison& c) {
     return std::pair(std::lround(c.s_longer / kApart), std::lround(c.s_shorter / kApart));
   };
@@ -156,7 +156,7 @@ std::vector<BlockComparison> comparisons_of(const Session& session, const std::v
     LinearPhoto last = read_photo(session.photos[order[0]]);
     for (std::size_t k = 1; k < order.size(); ++k) {
       LinearPhoto next = read_photo(session.photos[order[k]]);
-      constexpr double kLeastRatio = 0.2;  // of logarithms: exposures alike tell no curve
+      constexpr double kLeastRatio = 0.2;  // difference of logarithms: nearly equal exposures do not determine a curve
       const double log_ratio =
           std::log(exposure_factor(session.photos[order[k - 1]]) / exposure_factor(session.photos[order[k]]));
       if (log_ratio > kLeastRatio && last.value.data.size() == next.value.data.size() &&
@@ -171,7 +171,7 @@ std::vector<BlockComparison> comparisons_of(const Session& session, const std::v
   return all;
 }
 
-// log of the linear value of a stored one, its slope by the stored value, and by the curve's numbers.
+// Logarithm of the linear value of a stored one, its slope by the stored value, and by the curve's parameters.
 struct LogLight {
   double value = 0, by_stored = 0;
   std::array<double, kMostCurve> by_curve{};
@@ -201,12 +201,12 @@ LogLight log_light(const Response& response, double stored, Encoding encoding) {
   return out;
 }
 
-// A fit's numbers: the curve's, then e, w_R, w_B of each photo.
+// Parameters of a fit: the curve's, then e, w_R, w_B of each photo.
 struct Fit {
   Response response;
-  Eigen::VectorXd photos;  // 3 a photo
+  Eigen::VectorXd photos;  // 3 per photo
   Eigen::MatrixXd covariance;
-  double cost = 0, scatter = 1, error = 0;  // robust cost; residuals' scatter in expected errors; of a logarithm
+  double cost = 0, scatter = 1, error = 0;  // robust cost; residuals' scatter in expected errors; error of a logarithm
   std::vector<double> residual;
 };
 
@@ -218,8 +218,8 @@ Response response_of(const Eigen::VectorXd& curve) {
   return r;
 }
 
-// Normal equations of the curve's numbers and of three for each photo that is compared. A photo meets the curve and the
-// photos of its own bracket alone, so thousands of them cost little more than a few each.
+// Normal equations of the curve's parameters and of three for each compared photo. A photo couples only to the curve
+// and to its own bracket, so the cost grows linearly with the photos.
 class PhotoEquations {
  public:
   explicit PhotoEquations(std::span<const BlockComparison> comparisons) {
@@ -228,7 +228,7 @@ class PhotoEquations {
     for (auto& [photo, place] : place_) place = next++;
   }
 
-  /// Of the photos that are compared, ascending: their place among the numbers.
+  /// Position among the parameters of each compared photo, ascending.
   const std::map<int, Eigen::Index>& places() const { return place_; }
   Eigen::Index at(int photo) const { return kMostCurve + 3 * place_.at(photo); }
   Eigen::Index size() const { return kMostCurve + 3 * static_cast<Eigen::Index>(place_.size()); }
@@ -240,7 +240,7 @@ class PhotoEquations {
     const auto found = blocks_.try_emplace({longer, shorter}, Block::Zero()).first;
     found->second.noalias() += weight * row * row.transpose();
   }
-  /// With `prior` on the diagonal.
+  /// The matrix with `prior` on the diagonal.
   Eigen::SparseMatrix<double> matrix(const Eigen::VectorXd& prior) const {
     std::vector<Eigen::Triplet<double>> entries;
     for (Eigen::Index i = 0; i < size(); ++i) entries.emplace_back(i, i, prior[i]);
@@ -267,21 +267,21 @@ class PhotoEquations {
   std::map<std::pair<int, int>, Block> blocks_;
 };
 
-// Number of e, w_R or w_B that a channel of a photo takes beside e; -1: none.
+// Index of w_R or w_B among a photo's three parameters for a channel; -1 for G, which has e alone.
 int balance_number(int channel) { return channel == 0 ? 1 : channel == 2 ? 2 : -1; }
 
-// What holds the numbers of PhotoEquations where no comparison does.
+// Priors of PhotoEquations for parameters without a comparison.
 Eigen::VectorXd prior_weights(Eigen::Index size, int curve_numbers) {
   Eigen::VectorXd prior = Eigen::VectorXd::Ones(size);
-  // Bumps are small where they are real: a prior keeps those that no pair of levels sees. (A trace of one for the rest:
-  // where nothing is compared any more there still is an answer.)
+  // Real bumps are small: a prior holds bumps that no pair of levels sees. The others get a tiny prior, so that the
+  // system is regular without any comparison.
   for (int k = 0; k < curve_numbers; ++k) prior[k] = k < 2 ? 1e-6 : 1 / (0.3 * 0.3);
   for (Eigen::Index i = kMostCurve; i < size; ++i)
     prior[i] = 1 / std::pow((i - kMostCurve) % 3 == 0 ? kExposureSigma : kBalanceSigma, 2);
   return prior;
 }
 
-// Least squares with Cauchy's loss, `curve_numbers` of the curve free, started at `start`.
+// Least squares with Cauchy's loss from `start`; `curve_numbers` parameters of the curve are free.
 Fit fit_photos(std::span<const BlockComparison> comparisons, const Session& session, int curve_numbers,
                const Response& start, double scatter) {
   PhotoEquations equations(comparisons);
@@ -328,7 +328,7 @@ Fit fit_photos(std::span<const BlockComparison> comparisons, const Session& sess
       b.segment<3>(of_shorter) -= weight * r * row.segment<3>(kMostCurve + 3);
     }
     for (Eigen::Index i = 0; i < size; ++i) {
-      if (i >= curve_numbers && i < kMostCurve) continue;  // stays where it is
+      if (i >= curve_numbers && i < kMostCurve) continue;  // held fixed
       b[i] -= prior[i] * x[i];
       if (i >= kMostCurve) fit.cost += 0.5 * prior[i] * x[i] * x[i];
     }
@@ -344,7 +344,7 @@ Fit fit_photos(std::span<const BlockComparison> comparisons, const Session& sess
       break;
     }
     Eigen::VectorXd step = solver.solve(b);
-    // Far steps of the curve are cut: its derivatives hold for a part of a logit.
+    // Long steps of the curve are cut: its derivatives hold for a part of a logit.
     const double longest = step.head(kMostCurve).cwiseAbs().maxCoeff();
     if (longest > 0.3) step *= 0.3 / longest;
     x += step;
@@ -353,7 +353,7 @@ Fit fit_photos(std::span<const BlockComparison> comparisons, const Session& sess
   return fit;
 }
 
-// Standard deviation over stored levels of what the curve adds to the logarithm of light, and its sigma.
+// Standard deviation, over stored levels, of the curve's change to the logarithm of light, and its sigma.
 std::pair<double, double> change_of(const Fit& fit, int curve_numbers, Encoding encoding) {
   constexpr int kLevels = 33;
   Eigen::VectorXd change(kLevels);
@@ -380,7 +380,7 @@ std::vector<BlockComparison> of_brackets(std::span<const BlockComparison> all,
   return out;
 }
 
-// Cost of each bracket when the curve comes from the other half of them.
+// Hold-out cost of each bracket, under the curve of the other half of the brackets.
 std::vector<double> foretold(std::span<const BlockComparison> all, const Session& session,
                              const std::vector<std::size_t>& brackets, int curve_numbers, double scatter) {
   std::vector<double> cost(brackets.size());
@@ -394,7 +394,7 @@ std::vector<double> foretold(std::span<const BlockComparison> all, const Session
   return cost;
 }
 
-// Whether every bracket, by more than their scatter, is foretold better by `more` than by `fewer`.
+// True if `more` predicts the brackets better than `fewer`, by more than their scatter.
 bool is_better(const std::vector<double>& fewer, const std::vector<double>& more) {
   const auto n = static_cast<double>(fewer.size());
   double sum = 0, sum2 = 0;
@@ -404,11 +404,12 @@ bool is_better(const std::vector<double>& fewer, const std::vector<double>& more
     sum2 += gain * gain;
   }
   const double mean = sum / n, error = std::sqrt(std::max(0.0, sum2 / n - mean * mean) / std::max(1.0, n - 1));
-  constexpr double kLeastGain = 6, kErrors = 2;  // of half the sum of squares, as a bracket's mean; of its error
+  // minimum gain of half the sum of squares, as the brackets' mean; in units of its error
+  constexpr double kLeastGain = 6, kErrors = 2;
   return mean > kLeastGain && mean > kErrors * error;
 }
 
-// How many of the curve's numbers the brackets ask for.
+// Number of curve parameters that the brackets ask for.
 int curve_numbers_asked(std::span<const BlockComparison> all, const Session& session,
                         const std::vector<std::size_t>& brackets, double scatter) {
   if (brackets.size() < 2) {
@@ -427,24 +428,25 @@ int curve_numbers_asked(std::span<const BlockComparison> all, const Session& ses
   return asked;
 }
 
-// What is known of the curve: where fits begin, and how many of its numbers they may move.
+// Current knowledge of the curve: the start of fits, and the number of free parameters.
 struct Curve {
   Response start{};
   int most_numbers = kMostCurve;
 };
 
-// Leaves out brackets whose exposures disagree far beyond what a shutter does, and names them.
+// Leaves out brackets whose exposures disagree far beyond shutter errors, and names them.
 void drop_contradictions(const Session& session, const std::vector<Bracket>& brackets, const Curve& curve,
                          std::vector<BlockComparison>& all, std::vector<std::size_t>& used, BracketResponse& out) {
   const Fit fit = fit_photos(all, session, std::min(2, curve.most_numbers), curve.start, 1);
-  constexpr double kContradicts = 0.12;  // of the logarithm: beyond any shutter, and beyond a curve that all share
+  constexpr double kContradicts = 0.12;  // error of a logarithm: beyond any shutter, and beyond a curve common to all
   for (std::size_t i = 0; i < used.size();) {
-    // Of each pair of exposures by itself: one of three may be right about the other.
+    // Each pair of exposures is judged by itself: one of three may be right about the other.
     double middle = 0;
     for (const int longer : brackets[used[i]].photos) {
       std::vector<double> off;
       for (std::size_t k = 0; k < all.size(); ++k)
-        if (all[k].bracket == used[i] && all[k].longer == longer)  // what the photos' own numbers took up included
+        // includes the part that the photos' own parameters absorbed
+        if (all[k].bracket == used[i] && all[k].longer == longer)
           off.push_back(fit.residual[k] + fit.photos[3 * all[k].longer] - fit.photos[3 * all[k].shorter]);
       const double here = median_of(off);
       if (std::abs(here) > std::abs(middle)) middle = here;
@@ -463,7 +465,7 @@ void drop_contradictions(const Session& session, const std::vector<Bracket>& bra
     const std::size_t bad = used[i];
     std::erase_if(all, [&](const BlockComparison& c) { return c.bracket == bad; });
     used.erase(used.begin() + static_cast<std::ptrdiff_t>(i));
-    // fit.residual no longer goes with `all`: what else contradicts is found by the next look
+    // fit.residual no longer matches `all`: the next look finds further contradictions.
     drop_contradictions(session, brackets, curve, all, used, out);
     return;
   }
@@ -484,7 +486,7 @@ BracketResponse bracket_response(const Session& session, bool fit_curve) {
   Session read = session;
   Curve curve;
   if (!fit_curve && !used.empty()) curve = {session.photos[brackets[used.front()].photos.front()].response, 0};
-  constexpr int kLooks = 3;  // few brackets, then all, then all with what was found
+  constexpr int kLooks = 3;  // few brackets, then all, then all with the result
   for (int look = 0; look < kLooks && !used.empty(); ++look) {
     if (fit_curve)
       for (Photo& photo : read.photos) photo.response = out.response;
@@ -498,7 +500,7 @@ BracketResponse bracket_response(const Session& session, bool fit_curve) {
     drop_contradictions(session, brackets, curve, all, used, out);
     out.brackets = used.size();
     if (used.empty()) break;
-    // What blocks scatter by is learned from the fit that explains most.
+    // The scatter of blocks comes from the fit with most parameters.
     const double scatter = std::max(0.2, fit_photos(all, session, curve.most_numbers, curve.start, 1).scatter);
     const int numbers = fit_curve ? curve_numbers_asked(all, session, used, scatter) : 0;
     const Fit none = fit_photos(all, session, 0, curve.start, scatter),
@@ -507,7 +509,7 @@ BracketResponse bracket_response(const Session& session, bool fit_curve) {
     out.error_after = fit.error;
     const Encoding encoding = session.photos[brackets[used.front()].photos.front()].encoding;
     std::tie(out.change, out.change_sigma) = change_of(fit, numbers, encoding);
-    constexpr double kLeastChange = 0.005;  // less is what JPEG and demosaicing leave
+    constexpr double kLeastChange = 0.005;  // JPEG and demosaicing leave smaller changes
     const bool bends = numbers > 0 && out.change > kLeastChange && out.change > 4 * out.change_sigma;
     if (bends && !is_monotonic(fit.response))
       out.findings.push_back(make_warning(
@@ -521,7 +523,7 @@ BracketResponse bracket_response(const Session& session, bool fit_curve) {
     for (const double v : kept.photos) sum2 += v * v;
     std::size_t photos = 0;
     for (const std::size_t b : used) photos += brackets[b].photos.size();
-    constexpr double kLeastBalance = 0.006;  // JPEGs of a camera that keeps its balance come to 0.4 %
+    constexpr double kLeastBalance = 0.006;  // JPEGs of a camera with a fixed balance reach 0.4 %
     const bool unbalanced = std::sqrt(sum2 / static_cast<double>(3 * photos)) > kLeastBalance;
     if (unbalanced)
       for (std::size_t i = 0; i < session.photos.size(); ++i) {

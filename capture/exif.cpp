@@ -24,8 +24,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// EXIF's fractions come as floats, and some were written with few digits: 1/60 s is to be 1/60, and 5.6
-// not 5.599999905.
+// EXIF's fractions arrive as floats, and some were written with few digits: 1/60 s becomes 1/60 again, and 5.6 not
+// 5.599999905.
 double tidied(float value) {
   const double inverse = std::round(1.0 / value);
   if (inverse >= 2 && inverse <= 8000 && std::abs(value * inverse - 1) < 5e-5) return 1 / inverse;
@@ -45,8 +45,8 @@ std::optional<double> positive(const OIIO::ImageSpec& spec, std::initializer_lis
   return std::nullopt;
 }
 
-// FocalPlaneXResolution counts the pixels of a unit of the sensor (2: inch, 3: cm, 4: mm, 5: um; EXIF 2.3, 4.6.5),
-// those of PixelXDimension, which a photo that was made smaller has no more.
+// FocalPlaneXResolution counts pixels per unit of the sensor (2: inch, 3: cm, 4: mm, 5: um; EXIF 2.3, 4.6.5). Its
+// pixels are those of PixelXDimension, not those of a reduced photo.
 std::optional<double> sensor_width_mm(const OIIO::ImageSpec& spec) {
   const double resolution = spec.get_float_attribute("Exif:FocalPlaneXResolution", -1);
   const int unit = spec.get_int_attribute("Exif:FocalPlaneResolutionUnit", 2);
@@ -55,12 +55,12 @@ std::optional<double> sensor_width_mm(const OIIO::ImageSpec& spec) {
   const int counted = std::max(spec.get_int_attribute("Exif:PixelXDimension", spec.width),
                                spec.get_int_attribute("Exif:PixelYDimension", spec.height));
   const double width = counted / resolution * kUnit_mm[static_cast<std::size_t>(unit)];
-  constexpr double kSmallest_mm = 1, kLargest_mm = 100;  // what else stands there is a scanner's, or nonsense
+  constexpr double kSmallest_mm = 1, kLargest_mm = 100;  // other values are a scanner's, or nonsense
   if (!(width >= kSmallest_mm && width <= kLargest_mm)) return std::nullopt;
   return width;
 }
 
-// "2024:05:18 20:42:22", or with dashes as LibRaw's plugin writes it; and hundredths of a second if there are any.
+// "2024:05:18 20:42:22", or with dashes as LibRaw's plugin writes it; with hundredths of a second if present.
 std::optional<double> time_of(const OIIO::ImageSpec& spec) {
   for (const char* name : {"Exif:DateTimeOriginal", "Exif:DateTimeDigitized", "DateTime"}) {
     const std::string text = spec.get_string_attribute(name);
@@ -86,7 +86,7 @@ constexpr std::array<std::string_view, 20> kPictures{".jpg", ".jpeg", ".jpe",  "
 constexpr std::array<std::string_view, 16> kSidecars{".xmp", ".aae", ".thm", ".mov", ".mp4", ".m4v", ".avi", ".lrv",
                                                      ".3gp", ".mts", ".wav", ".txt", ".ini", ".db",  ".pp3", ".dop"};
 
-// Whatever they hold: a film's small picture, and what programs that copy or sync have not finished.
+// Extensions of files that never count as photos: thumbnails of films, and unfinished copies of programs.
 constexpr std::array<std::string_view, 8> kNoPhotos{".thm",      ".part",       ".tmp",      ".partial",
                                                     ".download", ".crdownload", ".filepart", ".icloud"};
 
@@ -118,7 +118,8 @@ Exif read_exif(const fs::path& file) {
   exif.focal_35mm = positive(spec, {"Exif:FocalLengthIn35mmFilm"});
   exif.sensor_width_mm = sensor_width_mm(spec);
   exif.time_s = time_of(spec);
-  // The raw plugin turns pixels unless told not to, and then says 1; what the camera noted is kept beside it.
+  // The raw plugin rotates pixels by default, and then reports 1; it keeps the camera's value in an attribute of its
+  // own.
   exif.orientation = spec.get_int_attribute("raw:Orientation", spec.get_int_attribute("Orientation", 1));
   exif.make = printable(spec.get_string_attribute("Make"));
   exif.model = printable(spec.get_string_attribute("Model"));
@@ -130,7 +131,7 @@ Exif read_exif(const fs::path& file) {
   exif.says_curve = colors.curve == FileColors::Curve::other;
   exif.uncalibrated = colors.uncalibrated;
   exif.gain_map = has_gain_map(*input, file);
-  // EXIF 2.32, 4.6.5: bit 0 of Flash; DigitalZoomRatio is 0 if it was not used.
+  // EXIF 2.32, 4.6.5: bit 0 of Flash; DigitalZoomRatio is 0 without digital zoom.
   if (const int flash = spec.get_int_attribute("Exif:Flash", -1); flash >= 0) exif.flash = (flash & 1) != 0;
   exif.digital_zoom = positive(spec, {"Exif:DigitalZoomRatio"});
   return exif;

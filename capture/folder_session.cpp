@@ -27,13 +27,13 @@ namespace fs = std::filesystem;
 using enum Finding::Severity;
 
 constexpr double kLongestGap_s = 60;  // within a view
-constexpr double kBurst_s = 3;        // photos this close belong together unless their pictures say otherwise
+constexpr double kBurst_s = 3;        // photos this close belong together unless their pictures contradict
 constexpr double kSameDetails = 0.6;  // one pose gives 0.94 and more, two poses less than 0.05
 constexpr double kSamePlace_px = 0.5;
-constexpr double kTouched_px = 10;  // a tripod that was touched; further aside it was meant
+constexpr double kTouched_px = 10;  // a touched tripod; larger shifts are intended
 
-// A photo with the exposure that its EXIF tells, and `f_number` if that has none. Nothing where it tells too little;
-// the findings then say so.
+// A photo with the exposure of its EXIF, and with `f_number` if EXIF has none. Nothing, with a finding, if EXIF lacks
+// too much.
 std::optional<Photo> photo_of(const IncomingPhoto& incoming, double f_number, std::vector<Finding>& findings) {
   if (!incoming.unreadable.empty()) {
     findings.push_back({error, {}, incoming.unreadable, ""});  // names file and remedy already
@@ -62,7 +62,7 @@ std::optional<Photo> photo_of(const IncomingPhoto& incoming, double f_number, st
         {warning, incoming.file, "its EXIF holds no ISO; 100 was assumed", "correct iso in session.json"});
   const AssumedEncoding encoding = encoding_of(exif);
   photo.encoding = encoding.encoding;
-  const bool other_colors = exif.uncalibrated && exif.channels >= 3;  // of gray it states nothing: it has no primaries
+  const bool other_colors = exif.uncalibrated && exif.channels >= 3;  // irrelevant for gray, which has no primaries
   if (encoding.assumed && encoding.encoding == Encoding::linear && other_colors) {
     findings.push_back({error, incoming.file,
                         "does not tell its tone curve: its EXIF has a color space other than sRGB, and no profile",
@@ -87,7 +87,7 @@ std::optional<Photo> photo_of(const IncomingPhoto& incoming, double f_number, st
 
 using ExifPhoto = std::pair<Photo, Exif>;
 
-// The aperture of files that have none: the one that was said; if no file has one, an assumed one, which is told.
+// The aperture of files without one: the person's; if no file has one, an assumed one, with a finding.
 double missing_aperture(const std::vector<IncomingPhoto>& incoming, double said, std::vector<Finding>& findings) {
   const auto lacks = [](const IncomingPhoto& photo) { return photo.exif.exposure_s && !photo.exif.f_number; };
   const auto count = std::count_if(incoming.begin(), incoming.end(), lacks);
@@ -111,7 +111,7 @@ double missing_aperture(const std::vector<IncomingPhoto>& incoming, double said,
   return kAssumedAperture;
 }
 
-// The zoom that the camera made of its pixels: EXIF's ratio, and its 35 mm equivalent beside the focal length.
+// The camera's digital zoom: EXIF's ratio, and its 35 mm equivalent over the focal length.
 struct DigitalZoom {
   double ratio = 1, equivalent = 0;
 };
@@ -120,10 +120,10 @@ DigitalZoom digital_zoom_of(const Exif& exif) {
   return {exif.digital_zoom.value_or(1), exif.focal_35mm && exif.focal_mm ? *exif.focal_35mm / *exif.focal_mm : 0};
 }
 
-// Photos whose pixels the camera magnified or cropped, or that the flash lit, unlike most: their EXIF knows.
+// Leaves out photos that the camera magnified or cropped, or that the flash lit, unlike most, by their EXIF.
 void leave_out_by_exif(std::vector<ExifPhoto>& photos, std::vector<Finding>& findings) {
   if (photos.size() < 3) return;
-  constexpr double kSameZoom = 0.045;  // a 35 mm equivalent of 13 mm is rounded by as much
+  constexpr double kSameZoom = 0.045;  // rounding of a 35 mm equivalent of 13 mm
   std::vector<double> ratios, equivalents;
   std::size_t fired = 0;
   for (const auto& [photo, exif] : photos) {
@@ -163,9 +163,9 @@ void leave_out_by_exif(std::vector<ExifPhoto>& photos, std::vector<Finding>& fin
                         "own at each view; a lamp that stands still tells more"});
 }
 
-// How far the tags that both photos show lie apart in them; nothing where they share too few.
+// Distance between the common tags of two photos; nothing if they share too few.
 std::optional<double> tags_moved_px(const PhotoLook& a, const PhotoLook& b) {
-  constexpr std::size_t kFewTags = 2;  // one alone may be misread
+  constexpr std::size_t kFewTags = 2;  // a single tag may be misread
   std::vector<double> moved;
   std::size_t tags = 0;
   for (const TagLook& tag : a.tags) {
@@ -178,11 +178,11 @@ std::optional<double> tags_moved_px(const PhotoLook& a, const PhotoLook& b) {
   return median_of(std::move(moved));
 }
 
-// Whether a photo was taken right after those of `view`, of its own lamp, from the same place, by their pictures.
+// True if the pictures show that a photo was taken right after those of `view`, under its lamp, from the same place.
 bool joins_by_picture(const std::vector<ExifPhoto>& photos, const std::vector<std::optional<PhotoLook>>& looks,
                       const std::vector<std::size_t>& view, std::size_t i, bool timed, std::vector<Finding>& findings) {
   const auto& [photo, exif] = photos[i];
-  // The member of nearest exposure is the best witness.
+  // The member with the nearest exposure is the best evidence.
   const double factor = exposure_factor(photo);
   const auto distance = [&](std::size_t k) { return std::abs(std::log(exposure_factor(photos[k].first) / factor)); };
   const std::size_t k =
@@ -201,8 +201,8 @@ bool joins_by_picture(const std::vector<ExifPhoto>& photos, const std::vector<st
   return false;
 }
 
-// Which view each photo belongs to, counted from 0 (0 as well where there is no look): first those that one lamp shows,
-// then those next to each other whose tags have stayed while the lamp was changed.
+// The view of each photo, counted from 0 (also 0 without a look). Photos under one lamp are grouped first. Neighboring
+// groups then join if their tags stayed in place while the lamp changed.
 std::vector<std::size_t> views_of(const std::vector<ExifPhoto>& photos,
                                   const std::vector<std::optional<PhotoLook>>& looks, bool timed,
                                   std::vector<Finding>& findings) {
@@ -248,7 +248,7 @@ std::vector<std::size_t> views_of(const std::vector<ExifPhoto>& photos,
   return out;
 }
 
-// One finding for many photos that say the same. Errors stay: each photo has to be put right.
+// Makes one finding of many photos' equal ones. Errors stay separate: each photo needs its own remedy.
 void merge_notes(std::vector<Finding>& findings) {
   std::vector<Finding> merged;
   std::vector<int> count;
@@ -286,10 +286,10 @@ FolderSession session_from(const PhotoSource& source, const TagSet& tags, const 
   require_at_most(
       photos.size(), limit::kPhotos, "the photos", "files",
       "take some of them into a folder of their own: a few dozen from many directions tell all there is to know");
-  if (photos.empty())  // nothing is left: what each photo lacks is why
+  if (photos.empty())  // no photo is left: the findings of the photos are the reason
     for (Finding& finding : result.findings)
       if (finding.severity == warning) finding.severity = error;
-  // By the clock only if every photo has one: half a clock would tear brackets apart.
+  // Uses the clock only if every photo has a time: a partial clock would split brackets.
   const bool timed =
       std::all_of(photos.begin(), photos.end(), [](const auto& p) { return p.second.time_s.has_value(); });
   if (timed)
@@ -299,7 +299,7 @@ FolderSession session_from(const PhotoSource& source, const TagSet& tags, const 
     result.findings.push_back(
         {note, {}, "not all photos say when they were taken; the order of their names was used", ""});
 
-  // A few at a time, so that progress can be told from this thread and big photos do not pile up.
+  // A few at a time: this thread reports progress, and memory holds few large photos.
   std::vector<std::optional<PhotoLook>> looks(photos.size());
   std::vector<std::string> broken(photos.size());
   constexpr std::size_t kMostAtOnce = 4;
@@ -347,8 +347,7 @@ FolderSession session_from(const PhotoSource& source, const TagSet& tags, const 
 
 CaptureResult capture_folder(const fs::path& photos_dir, const fs::path& board_json, const fs::path& out_dir,
                              const Progress& progress, const PhotoLamps& lamps, double f_number) {
-  const Board board =
-      read_board(board_json);  // a session whose board cannot be read is of no use: say so before the photos are read
+  const Board board = read_board(board_json);  // a session needs a readable board: fail before the photos are read
   CaptureResult result;
   const PhotoSource source = folder_source(photos_dir, lamps, result.findings);
   FolderSession folder = session_from(source, board.tags, progress, lamps.of_folder, f_number);

@@ -8,15 +8,15 @@
 namespace burin {
 namespace {
 
-constexpr int kShrink = 4;  // pixels of a picture in a coarse cell, either way
+constexpr int kShrink = 4;  // pixels of a picture per coarse cell, in both directions
 
-// The part of K within `near_px` of its middle and the rest, by the integral of 2 pi r / (r^2 + c^2).
+// Share of K within radius `r`, by the integral of 2 pi r / (r^2 + c^2).
 double part_within(const Glare& glare, double r) {
   const double c2 = glare.core_px * glare.core_px;
   return std::log1p(r * r / c2) / std::log1p(glare.reach_px * glare.reach_px / c2);
 }
 
-// K on a grid of square cells, each the mean over 5 x 5 points of it: near the middle K changes within a cell.
+// K on a grid of square cells, each the mean over 5 x 5 points: near the middle K changes within a cell.
 cv::Mat kernel_of(const Glare& glare, double cell_px, double from_px) {
   const int radius = std::max(1, static_cast<int>(std::ceil(glare.reach_px / cell_px)));
   cv::Mat kernel(2 * radius + 1, 2 * radius + 1, CV_32F);
@@ -50,7 +50,7 @@ cv::Mat filtered(const cv::Mat& in, const cv::Mat& kernel) {
 Image coarse_for_glare(const Image& seen) {
   Image out((seen.width + kShrink - 1) / kShrink, (seen.height + kShrink - 1) / kShrink, 1);
   const cv::Mat in(seen.height, seen.width, CV_32F, const_cast<float*>(seen.data.data()));
-  // Whole cells: the rim is filled as it ends.
+  // Only whole cells: pixels beyond the edge continue its value.
   cv::Mat padded, coarse(out.height, out.width, CV_32F, out.data.data());
   cv::copyMakeBorder(in, padded, 0, out.height * kShrink - seen.height, 0, out.width * kShrink - seen.width,
                      cv::BORDER_REPLICATE);
@@ -62,7 +62,7 @@ Image glare_of(const Image& part, int x0, int y0, const Image& coarse, const Gla
   Image out(part.width, part.height, 1);
   const cv::Mat in(part.height, part.width, CV_32F, const_cast<float*>(part.data.data()));
   cv::Mat result(out.height, out.width, CV_32F, out.data.data());
-  // Near light is taken pixel by pixel. Distant light is taken from cells an eighth of the nearest distance wide.
+  // Near light is computed pixel by pixel. Distant light comes from cells an eighth of the nearest distance wide.
   constexpr double kNearCells = 12;
   const double near_px = kNearCells * pixel_px;
   if (near_px >= glare.reach_px) {

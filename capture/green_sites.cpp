@@ -16,8 +16,9 @@ namespace {
 
 constexpr int kBlock_px = 64;
 
-// What a pixel has that the mean of its four neighbors does not, squared and summed over the pixels whose x + y is even
-// and over the others: adds the logarithm of their ratio. Nothing where the block is as smooth as its file's levels.
+// Adds the logarithm of a ratio of fine detail: that of pixels with even x + y over that of the others. Detail is the
+// squared difference between a pixel and the mean of its four neighbors. Adds nothing if the block is as smooth as its
+// file's levels.
 void add_block(const Image& stored, int x0, int y0, std::vector<double>& log_ratios) {
   std::array<double, 2> sum{};
   for (int y = y0; y < y0 + kBlock_px; ++y)
@@ -26,7 +27,7 @@ void add_block(const Image& stored, int x0, int y0, std::vector<double>& log_rat
       const double detail = stored.at(x, y) - around / 4;
       sum[(x + y) % 2] += detail * detail;
     }
-  constexpr double kLeast = 1.5 / 255 / 255;  // a pixel: more than rounding makes
+  constexpr double kLeast = 1.5 / 255 / 255;  // per pixel: above the rounding error
   if (sum[0] + sum[1] > kLeast * kBlock_px * kBlock_px && sum[0] > 0 && sum[1] > 0)
     log_ratios.push_back(std::log(sum[0] / sum[1]));
 }
@@ -76,7 +77,7 @@ GreenSitesFound find_green_sites(std::span<const Photo> photos) {
   for (std::size_t i = 0; i < count; ++i) {
     if (!add_photo(*used[i * used.size() / count], log_ratios)) break;
     found = judged(log_ratios);
-    // A large photo without a mosaic says so by itself; one with it is asked for a second that agrees.
+    // A large photo without a filter array suffices as evidence; one with it needs a second that agrees.
     const bool none = found.detail_sigma > 0 && found.detail + kSigmas * found.detail_sigma < kLeastDetail;
     if (none || (i > 0 && found.sites != GreenSites::unknown)) break;
   }

@@ -15,14 +15,14 @@
 namespace burin {
 namespace {
 
-constexpr double kSearch_px = 3e6;       // of the copy that tags are searched in
-constexpr double kLargeTag_px = 40;      // in that copy: one of this size would have been found
+constexpr double kSearch_px = 3e6;       // size of the copy for the tag search
+constexpr double kLargeTag_px = 40;      // in that copy: a tag of this size would have been found
 constexpr double kOtherFocal = 1.0 / 7;  // a lens that differs by more is another one
-constexpr double kAside = 0.01;          // of the photo's width: what lens and bow may move a tag by
+constexpr double kAside = 0.01;          // share of the photo's width: shift of a tag by lens and bow
 constexpr double kSamePlace_s = 60;      // from photo to photo
 constexpr double kFullFrameDiagonal_mm = 43.267;
 
-// The mean of the channels, in which tags are found, and the brightest of them, which clips first.
+// The mean of the channels, for tag detection, and the brightest channel, which clips first.
 struct Grays {
   Image mean, top;
 };
@@ -63,7 +63,7 @@ std::vector<TagDetection> find_tags(const Image& gray, const TagSet& tags) {
   const double scale = std::max(1.0, std::ceil(std::sqrt(pixels / kSearch_px)));
   std::vector<TagDetection> found;
   const auto search = [&](const Image& picture, double by) {
-    // A highlight may be far brighter than paper: with more light until every tag is found.
+    // A highlight may be far brighter than paper: raise the brightness until every tag is found.
     for (const double brighter : {1., 8., 64.}) {
       if (found.size() >= tags.list.size()) return;
       add_new(detector.detect_coarse(picture, brighter), tags, by, found);
@@ -86,7 +86,7 @@ std::vector<TagDetection> find_tags(const Image& gray, const TagSet& tags) {
   return found;
 }
 
-// Sharpness, from the sides of the tags as they are measured at full size.
+// Sharpness from the sides of the tags, measured at full size.
 void measure_blur(const std::vector<TagDetection>& found, const LinearPhoto& photo, const Image& gray,
                   const std::string& family, PhotoFacts& facts) {
   std::vector<std::uint8_t> valid(photo.clipped.size());
@@ -98,7 +98,7 @@ void measure_blur(const std::vector<TagDetection>& found, const LinearPhoto& pho
     for (int k = 0; k < 4; ++k) {
       const Eigen::Vector2d side = tag.coarse_px[(k + 1) % 4] - tag.coarse_px[k];
       all.push_back(tag.side_blur_px[k]);
-      // A side that runs along the rows is widened by what moves across them.
+      // Motion across a side widens it: a side along the rows shows blur along the columns.
       (std::abs(side.x()) > std::abs(side.y()) ? along_rows : along_columns).push_back(tag.side_blur_px[k]);
     }
     if (!facts.worst_blur_px || tag.blur_px > *facts.worst_blur_px) {
@@ -113,7 +113,7 @@ void measure_blur(const std::vector<TagDetection>& found, const LinearPhoto& pho
   facts.one_way_blur = std::max(ratio, 1 / ratio);
 }
 
-// The bench's lens for a picture of another size, or turned on its side: as far as a pose needs it.
+// The bench's lens for a picture of another size or orientation, as far as a pose needs it.
 Lens fitted(const Lens& lens, int width, int height) {
   if (lens.width == width && lens.height == height) return lens;
   const double scale = std::hypot(width, height) / std::hypot(lens.width, lens.height);
@@ -172,7 +172,7 @@ void place_carve_area(const AgreeingCorners& corners, const Board& board, PhotoF
     const cv::Vec3d q = h * cv::Vec3d(rectangle[k].x(), rectangle[k].y(), 1);
     if (!(std::abs(q[2]) > 1e-12)) return;
     facts.carve_px[k] = {q[0] / q[2], q[1] / q[2]};
-    // A corner behind the camera comes out far away, or on the wrong side.
+    // A corner behind the camera projects far away, or to the wrong side.
     if (!(facts.carve_px[k].norm() < 100.0 * (facts.width + facts.height))) return;
   }
   facts.carve_seen = true;
@@ -185,7 +185,7 @@ std::vector<cv::Point> rounded(std::span<const Eigen::Vector2d> polygon) {
   return out;
 }
 
-// The glints: how much of the carve area is clipped.
+// Clipped share of the carve area.
 void judge_glints(const LinearPhoto& photo, const Image& top, PhotoFacts& facts) {
   const std::vector<cv::Point> area = rounded(facts.carve_px);
   const cv::Rect box = cv::boundingRect(area) & cv::Rect(0, 0, facts.width, facts.height);
@@ -196,7 +196,7 @@ void judge_glints(const LinearPhoto& photo, const Image& top, PhotoFacts& facts)
     cv::fillPoly(mask, std::vector<std::vector<cv::Point>>{std::move(polygon)}, cv::Scalar(value));
   };
   fill(area, 1);
-  for (const TagLook& tag : facts.tags) {  // paper is no glint: the tag and as much of a border as any family has
+  for (const TagLook& tag : facts.tags) {  // paper is no glint: exclude the tag and the largest border of any family
     const Eigen::Vector2d middle = (tag.corner_px[0] + tag.corner_px[1] + tag.corner_px[2] + tag.corner_px[3]) / 4;
     std::array<Eigen::Vector2d, 4> paper;
     for (int k = 0; k < 4; ++k) paper[k] = middle + 1.9 * (tag.corner_px[k] - middle);
@@ -230,7 +230,7 @@ void judge_paper(PhotoFacts& facts) {
   facts.tag_side_px = median_of(std::move(sides));
 }
 
-// A bracket's darkest photo: the place is that of the one before.
+// A bracket's darkest photo gets the place of the previous photo.
 void take_place_of(const PhotoFacts& before, PhotoFacts& facts) {
   if (!facts.tags.empty() || before.width != facts.width || before.height != facts.height) return;
   if (!facts.exif.time_s || !before.exif.time_s || !facts.exposure_factor || !before.exposure_factor) return;

@@ -10,7 +10,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Folders in `photos`, by name, so that of two that differ in capitals always the same one is first.
+// Folders in `photos`, by name. If two differ only in case, the same one always comes first.
 std::vector<fs::path> folders_in(const fs::path& photos) {
   std::vector<fs::path> out;
   std::error_code error;
@@ -23,7 +23,7 @@ std::vector<fs::path> folders_in(const fs::path& photos) {
   return out;
 }
 
-// Which of `lamps` a folder is named after: its own name before that of a file. -1: none.
+// The lamp of a folder's name: an exact match before a match of file names. -1: none.
 int lamp_of(const std::string& folder, const std::vector<std::string>& lamps, const std::vector<std::string>& files) {
   const std::string name = lower_case(folder);
   for (const bool whole : {true, false})

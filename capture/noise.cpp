@@ -36,7 +36,7 @@ std::vector<std::uint8_t> clear_of_clipping(const LinearPhoto& photo) {
 }
 
 // Variance of the bulk: about the median, outliers cut at 3.5 sigma. The first sigma comes from the quartiles, which
-// quantized values can make zero; `floor` keeps it alive.
+// can be zero for quantized values; `floor` prevents this.
 double bulk_variance(std::vector<float>& values, double floor) {
   const auto quantile = [&](double q) { return static_cast<double>(quantile_in_place(values, q)); };
   const double low = quantile(0.25), high = quantile(0.75);
@@ -57,7 +57,7 @@ double bulk_variance(std::vector<float>& values, double floor) {
     center += mean;
     sigma = std::max(std::sqrt(variance), floor);
   }
-  return variance / 0.9943;  // what a normal distribution keeps of its variance within 3.5 sigma
+  return variance / 0.9943;  // share of a normal distribution's variance within 3.5 sigma
 }
 
 }  // namespace
@@ -79,8 +79,8 @@ double NoiseModel::variance(double v, const StoredAs& kept) const {
 
 namespace {
 
-// JPEG smooths flat areas below their true noise, and errs most where there is texture. The texture is what is measured
-// on a board, so only pixels whose neighborhood spans a few levels tell about lossy files.
+// JPEG smooths flat areas below their true noise, and errs most in texture. Measurements use the texture of a board. So
+// only pixels whose neighborhood spans a few levels count for lossy files.
 bool flat(const Image& image, int x, int y, int c, double step) {
   float low = image.at(x, y, c), high = low;
   for (int yy = std::max(0, y - 1); yy <= std::min(image.height - 1, y + 1); ++yy)
@@ -116,7 +116,7 @@ std::vector<NoiseSample> noise_between(const LinearPhoto& longer, const LinearPh
     }
     for (int bin = 0; bin < kBins; ++bin) {
       const std::size_t n = difference[bin].size();
-      // Where the shorter exposure is cut off at black its noise looks smaller than it is.
+      // If black cuts off the shorter exposure, its noise appears too small.
       if (n < kLeastInBin || black[bin] * 200 > n) continue;
       const double v = sum_v[bin] / static_cast<double>(n), r2 = ratio * ratio;
       const double step_a = linear_step(longer.stored, v), step_b = linear_step(shorter.stored, ratio * v);
@@ -131,7 +131,7 @@ std::vector<NoiseSample> noise_between(const LinearPhoto& longer, const LinearPh
 
 std::vector<NoiseSample> noise_within(const LinearPhoto& photo) {
   constexpr int kBlock = 16;
-  // [1 -2 1] along x and along y: blind to slopes; 36 times the variance of independent values. Its results are
+  // [1 -2 1] along x and along y ignores slopes; its variance is 36 times that of independent values. Its results are
   // correlated, so a block of 256 counts as 68, and the tenth percentile of block variances lies at 0.78.
   constexpr double kGain = 36, kIndependent = 68, kTenthPercentile = 0.78;
   const Image& image = photo.value;
@@ -164,7 +164,8 @@ std::vector<NoiseSample> noise_within(const LinearPhoto& photo) {
       std::vector<float>& list = variances[bin];
       if (list.size() < 20) continue;
       const double v = sum_v[bin] / static_cast<double>(list.size());
-      // With n / 10 below it: quantile_in_place(list, 0.1) counts from n - 1, and takes the one before where n is 20.
+      // Element with n / 10 below it: quantile_in_place(list, 0.1) counts from n - 1, and takes the previous one if n
+      // is 20.
       const auto nth = list.begin() + static_cast<std::ptrdiff_t>(list.size() / 10);
       std::nth_element(list.begin(), nth, list.end());
       const double step = linear_step(photo.stored, v);
@@ -178,8 +179,8 @@ std::vector<NoiseSample> noise_within(const LinearPhoto& photo) {
 NoiseModel fit_noise(std::span<const NoiseSample> samples) {
   if (samples.empty()) return {};
   const NoiseModel least{0, 0, 1.0 / 12};
-  // Unknowns: photon, read, and what `stored` has beyond rounding. Rows are scaled to relative errors, and no sample
-  // counts for more than a thousand values: beyond that the model's own error rules.
+  // Unknowns: photon, read, and the part of `stored` beyond rounding. Rows are scaled to relative errors. No sample
+  // counts for more than a thousand values: beyond that the model's own error dominates.
   Eigen::MatrixXd A(samples.size(), 3);
   Eigen::VectorXd b(samples.size());
   for (std::size_t i = 0; i < samples.size(); ++i) {
@@ -190,12 +191,12 @@ NoiseModel fit_noise(std::span<const NoiseSample> samples) {
   }
   const Eigen::Vector3d scale = A.colwise().norm().transpose().cwiseMax(1e-300);
   A *= scale.cwiseInverse().asDiagonal();
-  // With linear files `stored` and `read` are the same constant: all of it is then called read noise.
+  // With linear files `stored` and `read` are the same constant; all of it then counts as read noise.
   const bool linear = std::all_of(samples.begin(), samples.end(), [&](const NoiseSample& s) {
     const double level = samples[0].coefficient[2] / samples[0].coefficient[1];
     return std::abs(s.coefficient[2] / s.coefficient[1] - level) <= 1e-6 * level;
   });
-  // Try every set of the unknowns being zero, keep the best that has no negative one.
+  // Tries every set of zero unknowns and keeps the best one without a negative unknown.
   Eigen::Vector3d best = Eigen::Vector3d::Zero();
   double best_cost = b.squaredNorm();
   for (int set = 1; set < (linear ? 4 : 8); ++set) {

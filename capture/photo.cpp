@@ -25,25 +25,25 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Values from here on may be cut by the white level: 4 % leave room for a sensor's noise at the top and for JPEG's.
+// The white level may cut values from here on: 4 % leave room for a sensor's noise at the top and for JPEG's.
 constexpr float kClippedFrom = 0.96F;
-// A pixel whose neighbors shine like this is decided by them, not by its own value: choosing by the value itself
-// would keep the noise that lies below and drop the noise that lies above.
+// Neighbors this bright decide about a pixel instead of its own value. Selection by the value itself would keep noise
+// below and drop noise above.
 constexpr float kCrowdedFrom = 0.92F;
 constexpr int kBloom_px = 2;
 
-// LibRaw as a measuring instrument: sensor values in proportion to light, black at 0, the maker's white level at 1.
+// LibRaw settings for measurement: sensor values proportional to light, black at 0, the maker's white level at 1.
 OIIO::ImageSpec raw_settings() {
   OIIO::ImageSpec config;
   config.attribute("raw:ColorSpace", "raw");  // no primaries, no curve
-  config.attribute("raw:auto_bright", 0);     // no exposure of its own
+  config.attribute("raw:auto_bright", 0);     // no automatic exposure
   config.attribute("raw:use_camera_wb", 0);   // no white balance: neither the camera's ...
   const std::array<float, 4> ones{1, 1, 1, 1};
   config.attribute("raw:user_mul", OIIO::TypeDesc(OIIO::TypeDesc::FLOAT, 4), ones.data());  // ... nor daylight's
   config.attribute("raw:use_camera_matrix", 0);
-  config.attribute("raw:adjust_maximum_thr", 0.0F);  // white stays where the maker put it, whatever the picture holds
-  config.attribute("raw:HighlightMode", 0);          // clip, invent nothing
-  config.attribute("raw:Demosaic", "linear");        // no edges guessed: glints are smaller than the mosaic
+  config.attribute("raw:adjust_maximum_thr", 0.0F);  // white stays at the maker's level for any picture
+  config.attribute("raw:HighlightMode", 0);          // clip, no reconstruction of highlights
+  config.attribute("raw:Demosaic", "linear");        // no guessed edges: glints are smaller than the filter array
   config.attribute("raw:user_flip", 0);              // pixels as the sensor has them
   config.attribute("oiio:UnassociatedAlpha", 1);     // (other kinds of files) color not multiplied by alpha
   return config;
@@ -62,9 +62,9 @@ std::unique_ptr<OIIO::ImageInput> open_photo(const Photo& photo) {
   return input;
 }
 
-// The lowest bits that no stored value uses show how many bits the camera has: 12-bit data in the high end of 16 are
-// multiples of 16, and their white is 65520. A picture that is dark or flat says less; then fewer levels are assumed
-// unused only if they are in fact unused, which moves the white level by less than 2^-8 at worst.
+// Unused lowest bits show the camera's bit depth: 12-bit data in the high end of 16 are multiples of 16, and their
+// white is 65520. A dark or flat picture is weaker evidence. It may leave further bits unused, which moves the white
+// level by less than 2^-8 at worst.
 int unused_low_bits(const std::vector<std::uint16_t>& stored) {
   unsigned used = 0;
   for (const std::uint16_t v : stored) used |= v;
@@ -74,7 +74,7 @@ int unused_low_bits(const std::vector<std::uint16_t>& stored) {
   return bits;
 }
 
-// Where this camera really clips, if that is below the file's white level: a spike at the highest value of the photo.
+// The camera's actual clipping level, if it is below the file's white level: a spike at the photo's highest value.
 float own_top(const std::vector<float>& values, float white_from) {
   const float top = *std::max_element(values.begin(), values.end());
   if (!(top > 0.5F) || top >= white_from) return white_from;
@@ -98,12 +98,12 @@ float linear_of(const Photo& photo, float stored) {
   return photo.encoding == Encoding::srgb ? srgb_to_linear(plain) : plain;
 }
 
-// Stored values as sRGB would have stored them, by the curves that the file's own profile has.
+// Converts stored values to sRGB's, by the curves of the file's own profile.
 void undo_own_curves(const std::vector<ToSrgbCurve>& curves, std::vector<float>& v) {
   for (std::size_t i = 0; i < v.size(); ++i) v[i] = curve_at(curves[i % curves.size()], v[i]);
 }
 
-// Pixels of eight bits made linear: a table has all values.
+// Converts 8-bit pixels to linear values by a table.
 void read_bytes_linear(OIIO::ImageInput& input, const Photo& photo, int channels, std::vector<float>& v) {
   std::vector<std::uint8_t> stored(v.size());
   read_pixels(input, photo, OIIO::TypeDesc::UINT8, channels, stored.data());
@@ -112,14 +112,14 @@ void read_bytes_linear(OIIO::ImageInput& input, const Photo& photo, int channels
   std::transform(stored.begin(), stored.end(), v.begin(), [&](std::uint8_t s) { return table[s]; });
 }
 
-// Stored values made linear.
+// Converts stored values to linear ones.
 void make_linear(const Photo& photo, std::vector<float>& v) {
   if (is_stored_linear(photo)) return;
   if (photo.response.is_none()) {
     for (float& value : v) value = linear_of(photo, value);
     return;
   }
-  // A bent curve takes long to evaluate: from a table that is fine enough for 16 bits.
+  // A bent curve is slow to evaluate; this table is fine enough for 16 bits.
   constexpr int kSteps = 4096;
   std::vector<float> table(kSteps + 2);
   for (int s = 0; s <= kSteps; ++s) table[s] = linear_of(photo, static_cast<float>(s) / kSteps);
@@ -134,7 +134,7 @@ void make_linear(const Photo& photo, std::vector<float>& v) {
 // The linear width of a stored level `step` wide, at the squares of i / (count - 1).
 std::vector<float> bent_steps(const Photo& photo, double step) {
   constexpr int kCount = 257;
-  constexpr float kHalf = 0.002F;  // of the difference that the slope is taken from
+  constexpr float kHalf = 0.002F;  // of the difference for the slope
   std::vector<float> steps(kCount);
   for (int i = 0; i < kCount; ++i) {
     const float root = static_cast<float>(i) / (kCount - 1), v = root * root;
@@ -158,13 +158,13 @@ LinearPhoto read_photo(const Photo& photo) {
   OIIO::ImageInput& input = *opened;
   const OIIO::ImageSpec spec = input.spec();
   const std::string kind = input.format_name();
-  const int channels = spec.nchannels >= 3 ? 3 : 1;  // 2 and 4 hold an alpha channel as well
+  const int channels = spec.nchannels >= 3 ? 3 : 1;  // 2 and 4 include an alpha channel
 
   LinearPhoto result;
   result.value = Image(spec.width, spec.height, channels);
   result.stored.lossy = kind == "jpeg";
   std::vector<float>& v = result.value.data;
-  const bool sharpened = photo.sharpening.amount > 0;  // which is taken back from what is stored
+  const bool sharpened = photo.sharpening.amount > 0;  // removed from the stored values
   const std::vector<ToSrgbCurve> own_curves = photo.encoding == Encoding::srgb
                                                   ? to_srgb_curves(file_colors(input, photo.file), channels)
                                                   : std::vector<ToSrgbCurve>();
@@ -204,7 +204,7 @@ LinearPhoto read_photo(const Photo& photo) {
 
 namespace {
 
-// 1 where an exposure holds a pixel: neither it nor what it could have bloomed from is clipped.
+// 1 where an exposure holds a pixel: neither the pixel nor a possible source of its bloom is clipped.
 std::vector<std::uint8_t> usable_pixels(const LinearPhoto& photo) {
   const Image& image = photo.value;
   const int w = image.width, h = image.height;
@@ -255,7 +255,7 @@ Exposures read_exposures(std::span<const Photo> photos) {
     e.order[k] = static_cast<int>(k);
     e.factor[k] = exposure_factor(photos[k]);
   }
-  // Isolated: a thread that waits here must not begin another bracket, whose photos would join these in memory.
+  // Isolated: a waiting thread must not begin another bracket, whose photos would add to these in memory.
   tbb::this_task_arena::isolate([&] {
     tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) {
       e.photos[k] = read_photo(photos[k]);
@@ -275,7 +275,7 @@ Exposures read_exposures(std::span<const Photo> photos) {
   return e;
 }
 
-/// Value and sigma of pixel i's channels, exposures weighted by their noise; false where no exposure holds it.
+/// Value and sigma of pixel i's channels, exposures weighted by their noise; false if no exposure holds it.
 bool merge_pixel(const Exposures& e, const NoiseModel& noise, std::size_t i, float* out_value, float* out_sigma) {
   const auto longest = std::find_if(e.order.begin(), e.order.end(), [&](int k) { return e.usable[k][i] != 0; });
   const bool valid = longest != e.order.end();
@@ -299,7 +299,7 @@ bool merge_pixel(const Exposures& e, const NoiseModel& noise, std::size_t i, flo
         weight_sum += weight;
       }
       value = sum / weight_sum;
-      if (e.photos.size() == 1) break;  // nothing to weigh against
+      if (e.photos.size() == 1) break;  // a single exposure needs no weights
     }
     out_value[c] = static_cast<float>(value);
     out_sigma[c] = static_cast<float>(1 / std::sqrt(weight_sum));
@@ -501,7 +501,8 @@ std::vector<NoiseModel> session_noise(const Session& session, std::span<const Br
 
 void for_each_merged(const Session& session, std::span<const Bracket> brackets, std::span<const NoiseModel> noise,
                      int bin, const MergedWork& work) {
-  // Two brackets of 24 megapixels in color hold a gigabyte each while they are merged: those come one at a time.
+  // Two brackets of 24 megapixels in color hold a gigabyte each during the merge; such brackets are merged one at a
+  // time.
   constexpr double kManyValues = 60e6;
   const PhotoSize size = photo_size(session);
   std::size_t longest = 1;
@@ -571,7 +572,7 @@ MergedView cropped(MergedView whole, const PixelWindow& window) {
 }
 
 std::vector<MergedView> merge_session(const Session& session, int bin, const KeptPart& kept) {
-  // Sizes first: headers are quick to read, and a person should not wait for this news.
+  // Sizes first: headers are quick to read, and an error then comes early.
   photo_size(session);
   const std::vector<Bracket> brackets = brackets_of(session);
   std::vector<MergedView> merged(brackets.size());

@@ -1,4 +1,4 @@
-// What is wrong with one photo, in sentences: photo_faults() of burin/capture/judge_photo.h.
+// Faults of one photo, in sentences: photo_faults() of burin/capture/judge_photo.h.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -14,10 +14,10 @@ namespace {
 using enum Finding::Severity;
 
 constexpr std::size_t kFewTags = 4;
-constexpr double kSmallTag_px = 20;             // the largest families decode from there on
-constexpr double kSharp_px = 1.8;               // Gaussian sigma of edges: no photo below it is called blurred
+constexpr double kSmallTag_px = 20;             // the largest families decode from this size on
+constexpr double kSharp_px = 1.8;               // Gaussian sigma of edges: no photo below it counts as blurred
 constexpr double kBlurredBesideSharpest = 1.6;  // times the sharpest of the session
-constexpr double kUseless_px = 4;               // edges that wide are no edges of a tag, whatever the others are
+constexpr double kUseless_px = 4;               // wider edges are no edges of a tag, in any session
 constexpr double kDarkPaper = 0.15, kLostInTheDark = 0.02;
 constexpr double kShake = 1.6;     // times wider in one direction
 constexpr double kUnevenBlur = 2;  // one tag's edges over the others'
@@ -84,7 +84,7 @@ void judge_sharpness(const PhotoFacts& facts, std::span<const PhotoFacts* const>
   }
 }
 
-// What most of the others have; nothing where there are none.
+// The value of most of the others; nothing without others.
 template <typename Value, typename Of>
 std::optional<Value> usual(std::span<const PhotoFacts* const> others, Of of) {
   std::map<Value, int> times;

@@ -19,8 +19,8 @@ namespace {
 
 cv::Mat view_of(Image& image) { return {image.height, image.width, CV_32FC(image.channels), image.data.data()}; }
 
-// A step blurred by a Gaussian of sigma rises by 1 / (sigma sqrt(2 pi)) of its height a pixel at its steepest. The
-// sharpest percent of the strong edges speak for the photo: weaker ones may be soft in the scene.
+// At its steepest, a step blurred by a Gaussian of sigma rises by 1 / (sigma sqrt(2 pi)) of its height per pixel. The
+// sharpest percent of the strong edges represents the photo: weaker ones may be soft in the scene.
 std::optional<double> edge_sigma_px(const cv::Mat& gray, double low, double high) {
   const cv::Mat window = cv::Mat::ones(15, 15, CV_8U);
   cv::Mat top, bottom, dx, dy;
@@ -41,7 +41,7 @@ std::optional<double> edge_sigma_px(const cv::Mat& gray, double low, double high
 
 std::vector<TagLook> look_for_tags(const Image& gray, std::span<const std::uint8_t> clipped, const TagSet& tags,
                                    std::vector<int>& stray) {
-  // A highlight may be far brighter than paper: with more light until every tag is found.
+  // A highlight may be far brighter than paper: raise the brightness until every tag is found.
   std::vector<TagDetection> found;
   for (const double brighter : {1., 8., 64.}) {
     std::vector<TagDetection> seen = detector_of_this_thread(tags.family).detect_coarse(gray, brighter);
@@ -89,7 +89,7 @@ PhotoLook look_at(const Photo& photo, const TagSet* tags) {
   look.bright = quantile_of(gray.data, 0.995);
   look.noise_floor = std::max(4 * linear_step(linear.stored, 0), 0.0015);
   const cv::Mat full = view_of(gray);
-  // Clipped values would make every edge beside them look steep or flat: sharpness is judged on what is left of them.
+  // Clipped values would make nearby edges look steep or flat, so sharpness is judged below them.
   look.edge_sigma_px = edge_sigma_px(cv::min(full, 0.9F), quantile_of(gray.data, 0.005), std::min(look.bright, 0.9));
 
   look.width = value.width;
@@ -115,7 +115,7 @@ std::optional<Comparison> compare(const PhotoLook& a, double factor_a, const Pho
   if (a.small.width != b.small.width || a.small.height != b.small.height) return std::nullopt;
   constexpr double kLostInTheDark = 0.02;  // of the white level, for a photo's brightest parts: details are noise
   if (std::min(a.bright, b.bright) < kLostInTheDark) return std::nullopt;
-  // Both are cut at one range of radiance, which both hold: what clips in one is then equally flat in the other.
+  // Both are cut at one common range of radiance, so clipped parts of one are equally flat in the other.
   const double low = std::max(a.noise_floor / factor_a, b.noise_floor / factor_b);
   const double high = 0.9 * std::min(1 / factor_a, 1 / factor_b);
   if (low >= high) return std::nullopt;
@@ -152,7 +152,7 @@ std::optional<Comparison> compare(const PhotoLook& a, double factor_a, const Pho
   cv::Mat window;
   cv::createHanningWindow(window, detail_a.size(), CV_32F);
   cv::Point2d shift = cv::phaseCorrelate(detail_a, detail_b, window);
-  // OpenCV pads to a size that its Fourier transform likes, and is half a pixel off where that size is odd.
+  // OpenCV pads to an efficient size of the Fourier transform, and is half a pixel off if that size is odd.
   if (cv::getOptimalDFTSize(detail_a.cols) % 2 == 1) shift.x -= 0.5;
   if (cv::getOptimalDFTSize(detail_a.rows) % 2 == 1) shift.y -= 0.5;
   result.shift_px = std::hypot(shift.x, shift.y) * a.scale;

@@ -14,13 +14,13 @@ double pixels_of(const std::filesystem::path& file) {
   try {
     const PictureHeader header = read_picture_header(file);
     if (header.width > 0) return static_cast<double>(header.width) * static_cast<double>(header.height);
-  } catch (const Error&) {  // said where the photo is read
+  } catch (const Error&) {  // the reader of the photo reports it
   }
   return static_cast<double>(limit::kPhotoPixels);
 }
 
 int groups_at_once(double pixels, int most) {
-  constexpr double kPixelsAtOnce = 150e6;  // 12 bytes each, and half as much again while they are decoded
+  constexpr double kPixelsAtOnce = 150e6;  // 12 bytes each, and half as much again during decoding
   return std::clamp(static_cast<int>(std::min(kPixelsAtOnce / std::max(1.0, pixels), 1e6)), 1, std::max(1, most));
 }
 

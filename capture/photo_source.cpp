@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Numbers within names count as numbers.
+// Compares numbers within names as numbers.
 bool natural_less(const std::string& a, const std::string& b) {
   std::size_t i = 0, j = 0;
   const auto digit = [](char c) { return std::isdigit(static_cast<unsigned char>(c)) != 0; };
@@ -42,7 +42,7 @@ bool natural_less(const std::string& a, const std::string& b) {
   return a < b;
 }
 
-// Entries of a folder, one after the other. Throws Error for one that is missing or unreadable.
+// Entries of a folder, one after the other. Throws Error for a missing or unreadable folder.
 fs::directory_iterator entries_of(const fs::path& folder) {
   std::error_code error;
   if (!fs::is_directory(folder, error))
@@ -52,7 +52,7 @@ fs::directory_iterator entries_of(const fs::path& folder) {
   return entries;
 }
 
-// The photos that lie in a folder itself.
+// The photos of a folder, without its subfolders.
 std::vector<fs::path> photos_in(const fs::path& folder, std::vector<Finding>& findings) {
   std::vector<fs::path> files;
   std::error_code error;
@@ -65,7 +65,7 @@ std::vector<fs::path> photos_in(const fs::path& folder, std::vector<Finding>& fi
       continue;
     }
     if (!is_photo(entry.path())) {
-      // A photo's name with other bytes is a photo that was damaged, which is said where it is read.
+      // A photo's name with other bytes is a damaged photo; its reader reports it.
       if (is_sidecar_name(entry.path())) continue;
       if (!is_photo_name(entry.path())) {
         findings.push_back({Finding::Severity::note, entry.path(), "is no photo and was passed over", ""});
@@ -78,7 +78,7 @@ std::vector<fs::path> photos_in(const fs::path& folder, std::vector<Finding>& fi
   return files;
 }
 
-// Folders with photos that are no lamp's, which are named: nothing is left out in silence.
+// Names folders with photos that belong to no lamp: no photo is left out without a message.
 std::vector<fs::path> find_other_folders(const fs::path& folder, const PhotoLamps& lamps,
                                          const std::vector<LampFolder>& known, std::vector<Finding>& findings) {
   std::vector<fs::path> others, with_photos;
@@ -105,7 +105,7 @@ std::vector<fs::path> find_other_folders(const fs::path& folder, const PhotoLamp
   return with_photos;
 }
 
-// What was passed over, where nothing else is there: " (a.jpg: is ...)".
+// Skipped files, for a folder without photos: " (a.jpg: is ...)".
 std::string passed_over_text(const std::vector<Finding>& findings) {
   constexpr std::size_t kNamed = 3;
   std::string text;
@@ -115,7 +115,7 @@ std::string passed_over_text(const std::vector<Finding>& findings) {
   return text.empty() ? text : text + ")";
 }
 
-// Headers are read at once: which files are one shot is known by them.
+// Reads headers at once: they show which files are one shot.
 PhotoSource source_of(std::vector<IncomingPhoto> photos, std::vector<Finding>& findings) {
   require_at_most(
       photos.size(), limit::kPhotos, "the photos", "files",
@@ -170,7 +170,7 @@ PhotoSource folder_source(const fs::path& folder, const PhotoLamps& lamps, std::
          : lamps.names.size() > 1
              ? "put photos into the folders of their lamps: " + lamp_folders_in_words(folder, lamps.names)
              : "give the folder that holds the photos (JPEG, HEIC, PNG, TIFF, EXR or camera raw)");
-  // As the camera counted them, whichever lamp was on.
+  // In the camera's order, for any lamp.
   std::stable_sort(photos.begin(), photos.end(),
                    [](const IncomingPhoto& a, const IncomingPhoto& b) { return in_name_order(a.file, b.file); });
   return source_of(std::move(photos), findings);

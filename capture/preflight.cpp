@@ -29,7 +29,7 @@ constexpr double kExposureError = 0.08;      // nominal exposure times are round
 constexpr double kMoved_px = 0.3;
 constexpr int kFewViews = 4;
 constexpr int kFewTagsInView = 4;          // in a view
-constexpr double kSmallTagInView_px = 20;  // the largest families decode from there on
+constexpr double kSmallTagInView_px = 20;  // the largest families decode from this size on
 constexpr double kPaperClipped = 0.2;      // of the white cells of a view's tags, in its shortest exposure
 constexpr double kLittleOfFrame = 0.35;
 constexpr double kOneDirection_deg = 20;  // between the views that differ most
@@ -48,7 +48,7 @@ std::string percent(double share) { return fixed(100 * share, 0) + " %"; }
 
 void judge_files(const Session& session, std::span<const Exif> exif, std::vector<Finding>& findings) {
   int turned = 0;
-  // Most photos are taken to be right; those that differ from them are named.
+  // Most photos count as correct; photos that differ from them are named.
   std::map<std::pair<int, int>, int> sizes;
   for (const Exif& e : exif) ++sizes[{e.width, e.height}];
   const auto usual = std::max_element(sizes.begin(), sizes.end(), [](const auto& a, const auto& b) {
@@ -108,14 +108,14 @@ void judge_files(const Session& session, std::span<const Exif> exif, std::vector
                         ""});
 }
 
-// A photo beside the longest exposure of its view.
+// A photo compared with the longest exposure of its view.
 struct ComparedPhoto {
   int photo, longest;
-  double times;  // as long was the longest exposed
-  double ratio;  // of the photo's light to the longest's; 1: as their EXIF says
+  double times;  // factor by which the longest exposure is longer
+  double ratio;  // of the photo's light to the longest's; 1: as in EXIF
 };
 
-// Whether photos exposed so many times shorter than their views' longest contradict their EXIF all alike.
+// True if photos with this ratio of exposures to their views' longest contradict their EXIF all alike.
 bool contradict_alike(std::span<const ComparedPhoto> photos) {
   constexpr std::size_t kFew = 3;
   constexpr double kAlike = 0.3;
@@ -129,7 +129,7 @@ bool contradict_alike(std::span<const ComparedPhoto> photos) {
 
 std::string how_far(double ratio) { return percent(std::abs(ratio - 1)) + (ratio > 1 ? " brighter" : " darker"); }
 
-// Flicker strikes here and there; a camera's tone curve bends the brightness of all views alike.
+// Flicker affects single photos; a camera's tone curve bends the brightness of all views alike.
 void judge_exposures(const Session& session, const std::vector<ComparedPhoto>& compared,
                      std::vector<Finding>& findings) {
   std::map<long, std::vector<ComparedPhoto>> by_half_stops;
@@ -161,10 +161,10 @@ void judge_exposures(const Session& session, const std::vector<ComparedPhoto>& c
          "raw photos, or the camera's flattest picture style, need no such curve"});
 }
 
-// Photos of another board: several tags that board.json does not list, and hardly one that it does.
+// Photos of another board show several tags that board.json does not list, and hardly one that it does.
 void judge_strays(const Session& session, std::span<const PhotoLook> looks, std::vector<Finding>& findings) {
   constexpr std::size_t kFewStrays = 3, kFewOwn = 3;
-  // If no photo shows this board, its board.json is the wrong one, which judge_tags() says.
+  // If no photo shows this board, its board.json is wrong, and judge_tags() reports it.
   if (std::none_of(looks.begin(), looks.end(), [](const PhotoLook& look) { return look.tags.size() >= kFewOwn; }))
     return;
   for (std::size_t i = 0; i < looks.size(); ++i) {
@@ -180,12 +180,13 @@ void judge_strays(const Session& session, std::span<const PhotoLook> looks, std:
   }
 }
 
-// Views whose exposure times differ from those of most views by a step or two of the camera's dial: it took a neighbor
-// of the time that was set. Its EXIF has the time that it took, which is what counts.
+// Views whose exposure times differ from most views' by a step or two of the camera's dial: the camera took a neighbor
+// of the set time. EXIF holds the actual time, which counts.
 void judge_shutter_times(const Session& session, const std::vector<Bracket>& brackets, std::vector<Finding>& findings) {
-  constexpr double kOneStep = 1.1, kTwoSteps = 1.7;               // a dial's steps are a third or half of a stop
-  std::vector<std::vector<std::pair<double, int>>> times;         // with the photo; one list a bracket, ascending
-  std::map<std::vector<long>, std::pair<int, std::size_t>> sets;  // in sixteenths of a stop: how often, where first
+  constexpr double kOneStep = 1.1, kTwoSteps = 1.7;        // a dial's steps are a third or half of a stop
+  std::vector<std::vector<std::pair<double, int>>> times;  // with the photo; one list per bracket, ascending
+  // in sixteenths of a stop: number of views, first view
+  std::map<std::vector<long>, std::pair<int, std::size_t>> sets;
   for (std::size_t b = 0; b < brackets.size(); ++b) {
     auto& of_bracket = times.emplace_back();
     for (const int i : brackets[b].photos) of_bracket.emplace_back(session.photos[i].exposure_s, i);
@@ -274,7 +275,7 @@ void judge_views(const Session& session, std::span<const PhotoLook> looks, std::
          "photograph the board from eight to twelve places, tilted, near and away from the mirror side"});
 }
 
-// Of a bracket, the photo that shows the most tags; of those the longest exposure whose paper is not clipped.
+// The photo of a bracket with most tags; among equals, the longest exposure whose paper is not clipped.
 int best_for_tags(const Bracket& bracket, const Session& session, std::span<const PhotoLook> looks) {
   const auto clipped = [&](int i) {
     double sum = 0;
@@ -289,7 +290,7 @@ int best_for_tags(const Bracket& bracket, const Session& session, std::span<cons
   });
 }
 
-// The usual mistake is the paper's width, which is 9/5 of the side that AprilTag reports for its newer families.
+// The usual mistake is the paper's width: 9/5 of the side that AprilTag reports for its newer families.
 Finding wrong_size(double ratio, const TagSet& tags) {
   const Tag& first = tags.list.front();
   const auto paper = tag_paper(first, tags.family).polygon_mm;
@@ -308,7 +309,7 @@ Finding wrong_size(double ratio, const TagSet& tags) {
 void judge_tags(const Session& session, std::span<const PhotoLook> looks, const TagSet& tags,
                 std::vector<Finding>& findings) {
   std::vector<Bracket> brackets = brackets_of(session);
-  std::vector<int> photo;  // one a bracket
+  std::vector<int> photo;  // one per bracket
   std::vector<const PhotoLook*> best;
   std::size_t most = 0;
   for (const Bracket& bracket : brackets) {
@@ -327,7 +328,7 @@ void judge_tags(const Session& session, std::span<const PhotoLook> looks, const 
   }
   const TagCoverage coverage = tag_coverage(best, tags);
 
-  // White paper is equally bright from everywhere: each tag against its median over the views.
+  // White paper is equally bright from everywhere: each tag is compared with its median over the views.
   std::map<std::pair<std::string, int>, std::vector<double>> paper;
   for (std::size_t b = 0; b < brackets.size(); ++b)
     for (const TagLook& tag : best[b]->tags)
@@ -356,7 +357,7 @@ void judge_tags(const Session& session, std::span<const PhotoLook> looks, const 
       findings.push_back({warning, file, "the tags' white paper is clipped in every exposure of view " + name,
                           "add an exposure 4 times shorter: clipped tags cannot be measured"});
     const double moved = view.own_focal_px / std::max(coverage.focal_px, 1.0);
-    // Only where the board is tilted does a photo tell its focal length.
+    // A photo determines its focal length only if the board is tilted.
     if (view.normal && view.tilt_deg > kTiltForFocal_deg && coverage.direction_deg > kOneDirection_deg &&
         view.error_px > 0.001 * best[b]->width && view.error_px > 3 * usual_error &&
         view.own_error_px < 0.5 * view.error_px && std::abs(moved - 1) > 0.05)

@@ -22,7 +22,7 @@ using enum Finding::Severity;
 
 bool nearly(double a, double b, double share) { return std::abs(a / b - 1) <= share; }
 
-// Whole seconds, and the fraction where the file tells one.
+// Compares whole seconds, and fractions if both files have one.
 bool at_one_time(double a, double b) {
   const double whole_a = std::floor(a), whole_b = std::floor(b);
   if (whole_a != whole_b) return false;
@@ -35,7 +35,7 @@ bool same_bytes(const fs::path& a, const fs::path& b) {
   try {
     return read_bytes(a, limit::kPictureBytes, "a photo") == read_bytes(b, limit::kPictureBytes, "a photo");
   } catch (const Error&) {
-    return false;  // its own reader says what is wrong with it
+    return false;  // its own reader reports the problem
   }
 }
 
@@ -43,7 +43,7 @@ std::string same_file_words(const fs::path& other) {
   return "holds the same bytes as " + other.filename().string() + " and was passed over";
 }
 
-// Notes that say the same of many files, each beside another one: the first stands for all.
+// Merges equal notes about many files, each paired with another file: the first stands for all.
 void add_notes(std::vector<Finding>&& notes, std::vector<Finding>& findings) {
   constexpr std::size_t kMost = 4;
   if (notes.size() > kMost) {
@@ -53,7 +53,7 @@ void add_notes(std::vector<Finding>&& notes, std::vector<Finding>& findings) {
   append(findings, notes);
 }
 
-// Details of a small copy, by which pictures of any tone curve and size can be compared.
+// Details of a small copy, comparable between pictures of any tone curve and size.
 cv::Mat details_of(const PhotoLook& look) {
   constexpr int kWidth = 160;
   const SmallPhoto& small = look.small;
@@ -64,7 +64,7 @@ cv::Mat details_of(const PhotoLook& look) {
   cv::resize(codes, same_size, {kWidth, height}, 0, 0, cv::INTER_AREA);
   cv::GaussianBlur(same_size, smooth, {}, 6);
   details = same_size - smooth;
-  // Divided by how much varies nearby: a curve scales the details of bright and dark parts differently.
+  // Divided by the local variation: a curve scales the details of bright and dark parts differently.
   cv::GaussianBlur(details.mul(details), local, {}, 6);
   cv::sqrt(local, local);
   const double floor = 0.2 * std::sqrt(cv::mean(details.mul(details))[0]) + 1e-6;
@@ -77,7 +77,7 @@ struct Likeness {
   double shift = 0;  // as a share of the width
 };
 
-// How like two photos are whose sizes, tone curves and sharpening may differ.
+// Similarity of two photos whose sizes, tone curves and sharpening may differ.
 Likeness likeness_of(const PhotoLook& a, const PhotoLook& b) {
   cv::Mat of_a = details_of(a), of_b = details_of(b);
   const double aspect = 1.0 * of_a.rows / of_b.rows;
@@ -92,7 +92,7 @@ Likeness likeness_of(const PhotoLook& a, const PhotoLook& b) {
   return out;
 }
 
-// A photo's mean of channels at full size, and what a 3 x 3 mean leaves of it.
+// A photo's channel mean at full size, and its remainder after a 3 x 3 mean.
 std::pair<cv::Mat, cv::Mat> smooth_and_fine(const Photo& photo) {
   const LinearPhoto linear = read_photo(photo);
   const Image& value = linear.value;
@@ -108,8 +108,8 @@ std::pair<cv::Mat, cv::Mat> smooth_and_fine(const Photo& photo) {
   return {smooth, gray - smooth};
 }
 
-// Whether two photos of one size have the same noise: the correlation of what is finest, where the scene has least.
-// A photo that was saved anew keeps its noise; another exposure of the same scene has noise of its own.
+// True if two photos of one size have the same noise: the finest details correlate at places with least scene detail. A
+// photo that was saved again keeps its noise; another exposure of the scene has noise of its own.
 bool share_noise(const Photo& a, const Photo& b) {
   const auto [smooth_a, fine_a] = smooth_and_fine(a);
   const auto [smooth_b, fine_b] = smooth_and_fine(b);
@@ -124,13 +124,13 @@ bool share_noise(const Photo& a, const Photo& b) {
       const cv::Rect at(x, y, kBlock, kBlock);
       cv::Scalar mean, spread;
       cv::meanStdDev(smooth_a(at), mean, spread);
-      if (mean[0] > 0.97 || mean[0] < 0.02) continue;  // clipped or black: no noise is left there
+      if (mean[0] > 0.97 || mean[0] < 0.02) continue;  // clipped or black: no noise is left
       const cv::Mat pa = fine_a(at), pb = fine_b(at);
       blocks.push_back({spread[0], pa.dot(pb), pa.dot(pa), pb.dot(pb)});
     }
   const std::size_t plainest = blocks.size() / 10;
   constexpr std::size_t kFewBlocks = 20;
-  if (plainest < kFewBlocks) return true;  // nothing tells them apart
+  if (plainest < kFewBlocks) return true;  // no evidence against one shot
   std::nth_element(blocks.begin(), blocks.begin() + static_cast<std::ptrdiff_t>(plainest), blocks.end(),
                    [](const Block& p, const Block& q) { return p.roughness < q.roughness; });
   double ab = 0, aa = 0, bb = 0;
@@ -139,13 +139,14 @@ bool share_noise(const Photo& a, const Photo& b) {
     aa += blocks[i].aa;
     bb += blocks[i].bb;
   }
-  // Noise of two exposures correlates by less than 0.01; saved anew at JPEG quality 95, 88 and 75, one photo's keeps
-  // 0.96, 0.5 and 0.2. If the scene is rough everywhere, two exposures pass for one, which loses no more than a repeat.
+  // Noise of two exposures correlates by less than 0.01. After saving at JPEG quality 95, 88 and 75, one photo's noise
+  // keeps 0.96, 0.5 and 0.2. In a scene that is rough everywhere, two exposures pass for one, which loses only a
+  // repeat.
   constexpr double kShared = 0.1;
   return aa <= 0 || bb <= 0 || ab > kShared * std::sqrt(aa * bb);
 }
 
-// "IMG_1~2" and "IMG_1 (1)" and "IMG_1-edited" beside "IMG_1".
+// True for "IMG_1~2", "IMG_1 (1)" and "IMG_1-edited" against "IMG_1".
 bool extends_stem(const std::string& longer, const std::string& stem) {
   return longer.size() > stem.size() && longer.starts_with(stem) &&
          std::string("~ (-_").find(longer[stem.size()]) != std::string::npos;
@@ -156,7 +157,7 @@ bool related_stems(const fs::path& a, const fs::path& b) {
   return p == q || extends_stem(p, q) || extends_stem(q, p);
 }
 
-// A quick look before the long one: whether two small copies of one exposure may show the same.
+// A quick check before the long one: true if two small copies of one exposure may show the same.
 bool may_show_the_same(const SmallPhoto& a, const SmallPhoto& b) {
   if (a.codes.size() != b.codes.size()) return false;
   constexpr std::size_t kSamples = 1000;
@@ -250,8 +251,8 @@ void pass_over_copies(std::vector<IncomingPhoto>& photos, std::vector<Finding>& 
 
 std::vector<bool> twins_of(const std::vector<ExifPhoto>& photos, const std::vector<std::optional<PhotoLook>>& looks,
                            std::vector<Finding>& findings) {
-  // Kept of one shot is a file of a kind that many shots have: raw before more bits before HEIC, from which phones make
-  // JPEGs; then one of the usual size, and the shortest name.
+  // Chooses the kept file of a shot: a kind that many shots have, raw before more bits before HEIC, from which phones
+  // make JPEGs. Then the usual size decides, then the shortest name.
   std::map<std::pair<int, int>, int> sizes;
   std::map<std::string, int> kinds;
   int most = 0;
@@ -297,7 +298,7 @@ std::vector<bool> twins_of(const std::vector<ExifPhoto>& photos, const std::vect
 
 namespace {
 
-// As far as a look at it takes.
+// The photo as far as a look needs it.
 Photo photo_to_look_at(const IncomingPhoto& incoming) {
   Photo out;
   out.file = incoming.file;

@@ -59,7 +59,7 @@ std::optional<BoardPose> board_pose(const AgreeingCorners& corners, const Lens& 
   try {
     cv::solvePnPGeneric(board, seen, plain, cv::noArray(), rotations, translations, false, cv::SOLVEPNP_IPPE);
   } catch (const cv::Exception&) {
-    return std::nullopt;  // points on one line, say
+    return std::nullopt;  // for example, collinear points
   }
   std::optional<BoardPose> best;
   for (std::size_t i = 0; i < rotations.size(); ++i) {
@@ -102,7 +102,7 @@ AgreeingCorners without(const AgreeingCorners& corners, int id) {
   return out;
 }
 
-// How far the worst corner lies from where the best pose has it.
+// Distance of the worst corner from its place under the best pose.
 double worst_error_px(const AgreeingCorners& corners, const Lens& lens) {
   const auto pose = board_pose(corners, lens);
   if (!pose) return std::numeric_limits<double>::infinity();

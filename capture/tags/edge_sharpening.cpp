@@ -24,14 +24,14 @@ double distance_of(int bin) { return (bin + 0.5) * kBin_px - kReach_px; }
 struct Profile {
   std::array<double, kBins> sum{}, weight{};
   int sides = 0;
-  double reach_px = kReach_px;  // sides were looked at so far
+  double reach_px = kReach_px;  // range of distances from the sides
 };
 
 struct Near {
   double distance, value;
 };
 
-// Stored brightness of the pixels around one side, without its ends. Empty where one is clipped.
+// Stored brightness of the pixels around one side, without its ends. Empty if one is clipped.
 std::vector<Near> pixels_across(const LinearPhoto& photo, Encoding encoding, const Eigen::Vector2d& from,
                                 const Eigen::Vector2d& to, const Eigen::Vector2d& middle, double reach) {
   std::vector<Near> out;
@@ -105,7 +105,7 @@ std::optional<Profile> profile_of(const EdgePhoto& given, int border_cells) {
   return out;
 }
 
-// Mean of a profile between two distances on the white side; NaN where nothing was seen.
+// Mean of a profile between two distances on the white side; NaN without pixels.
 double mean_between(const Profile& p, double from_px, double to_px) {
   double sum = 0, weight = 0;
   for (int i = 0; i < kBins; ++i)
@@ -124,7 +124,7 @@ EdgeSharpening edge_sharpening(std::span<const EdgePhoto> photos, int border_cel
   for (const EdgePhoto& photo : photos) {
     const auto profile = profile_of(photo, border_cells);
     if (!profile) continue;
-    // A blur alone rises all the way: what is near is no brighter than what is further out.
+    // A blur alone is monotonic: near paper is not brighter than paper further out.
     const double far = mean_between(*profile, 0.65 * profile->reach_px, profile->reach_px);
     double highest = 0;
     for (const double from : {1.0, 1.25, 1.5, 1.75, 2.0})

@@ -29,7 +29,7 @@ Points agreeing(const PhotoLook& look, const TagSet& tags) {
   return points;
 }
 
-// Sides of the tags on the board over size_mm, the board's scale being that of the tags' centers.
+// Sides of the tags on the board over size_mm; the board's scale is that of the tags' centers.
 void add_size_ratios(const PhotoLook& look, const TagSet& tags, std::vector<double>& ratios) {
   std::vector<cv::Point2f> board, pixel, corners;
   std::vector<double> size_mm;
@@ -131,7 +131,7 @@ TagCoverage tag_coverage(std::span<const PhotoLook* const> looks, const TagSet& 
 
   if (!size_ratios.empty()) out.size_ratio = median_of(std::move(size_ratios));
 
-  // One focal length for all: the one of a fine scale at which the median photo fits best.
+  // One focal length for all: the value of a fine scale with the best median photo.
   constexpr double kStep = 1.06;
   double best_error = std::numeric_limits<double>::infinity();
   for (const double f : focal_scale(kStep)) {

@@ -21,20 +21,19 @@
 namespace burin {
 namespace {
 
-constexpr double kSkipModules = 0.6;   // at each end of a side: the neighboring side's blur reaches that far
-constexpr double kStripModules = 0.5;  // half-width of the strip of pixels around a side
-constexpr double kSeedStripPx = 12;    // at first, while the side is known roughly only
-constexpr double kMaxStripPx = 4;      // wider strips add paper, not edge (but for blurred photos: kStripBlurs)
-constexpr double kStripBlurs = 4;      // half-width of the strip in units of the edge's blur, where that is more
-constexpr double kMinStripPx = 1.5;    // narrower ones hold too few pixels
-constexpr double kRoughSides =
-    0.03;  // of a side: how far AprilTag may be off in large photos, searched at half resolution
-constexpr double kAprilTagCenter = 0.5;  // AprilTag has a pixel's center at +0.5, we have it at 0
+constexpr double kSkipModules = 0.6;     // at each end of a side: the neighboring side's blur reaches that far
+constexpr double kStripModules = 0.5;    // half-width of the strip of pixels around a side
+constexpr double kSeedStripPx = 12;      // for the first, rough estimate of a side
+constexpr double kMaxStripPx = 4;        // wider strips add paper, not edge (but for blurred photos: kStripBlurs)
+constexpr double kStripBlurs = 4;        // half-width of the strip in units of the edge's blur, if larger
+constexpr double kMinStripPx = 1.5;      // narrower ones hold too few pixels
+constexpr double kRoughSides = 0.03;     // of a side: AprilTag's error in large photos, searched at half resolution
+constexpr double kAprilTagCenter = 0.5;  // AprilTag has a pixel's center at +0.5, Burin at 0
 
 constexpr const char* kFamilyField = "board.json: tags.family";
 
-// libapriltag's decoding table has one entry for each code and each correctable pattern of wrong bits; for the large
-// families two corrected bits would take gigabytes.
+// libapriltag's decoding table has one entry per code and correctable pattern of wrong bits. For the large families,
+// two corrected bits would take gigabytes.
 int affordable_bits(const apriltag_family_t& family, int wanted) {
   const double n = family.nbits;
   int bits = std::min(wanted, 2);
@@ -60,7 +59,7 @@ Gray to_gray(const Image& image) {
   return g;
 }
 
-// 255 (v / white)^(1 / 2.2): AprilTag thresholds locally, gamma gives shadowed tags their contrast back.
+// 255 (v / white)^(1 / 2.2): AprilTag thresholds locally; gamma restores the contrast of shadowed tags.
 std::vector<std::uint8_t> compressed(const Gray& gray, double white) {
   static const std::vector<std::uint8_t> curve = [] {
     std::vector<std::uint8_t> table(65536);
@@ -87,7 +86,7 @@ double bright_end(const Gray& gray) {
   return std::max<double>(quantile_in_place(finite, 0.995), 1e-12);
 }
 
-// One side of a tag as measured: points q with (q - mid) . across = offset + slope * (q - mid) . along.
+// One measured side of a tag: points q with (q - mid) . across = offset + slope * (q - mid) . along.
 struct Side {
   Eigen::Vector2d mid, along, across;
   double offset = 0, slope = 0;
@@ -102,13 +101,13 @@ struct StripPixel {
   double s, t, value;
 };
 
-/// The edge as it is known so far: s = offset + slope t, blurred by a Gaussian of `blur` px.
+/// The current estimate of an edge: s = offset + slope t, blurred by a Gaussian of `blur` px.
 struct EdgeEstimate {
   double offset = 0, slope = 0, blur = 0.8;
   Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();  // of (offset, slope)
 };
 
-/// The pixels within `reach` along the side and `half_strip` across the edge; how many of them say nothing.
+/// The pixels within `reach` along the side and `half_strip` across the edge, and the number of unusable ones.
 std::vector<StripPixel> strip_pixels(const Gray& gray, std::span<const std::uint8_t> valid, const Side& side,
                                      const EdgeEstimate& edge, double reach, double half_strip, int& unusable) {
   std::vector<StripPixel> pixels;
@@ -134,11 +133,11 @@ std::vector<StripPixel> strip_pixels(const Gray& gray, std::span<const std::uint
   return pixels;
 }
 
-/// Fits  I(s, t) = (k0 + k1 t) + ((w0 + w1 t) - (k0 + k1 t)) Phi((s - offset - slope t) / blur)  to pixels by
-/// Gauss-Newton with Huber-like weights. False where there is no edge.
+/// Fits I(s, t) = (k0 + k1 t) + ((w0 + w1 t) - (k0 + k1 t)) Phi((s - offset - slope t) / blur) to pixels by
+/// Gauss-Newton with Huber-like weights. False if there is no edge.
 bool fit_edge(const std::vector<StripPixel>& pixels, double reach, EdgeEstimate& edge) {
   constexpr int kIterations = 10;
-  // Levels: seeded from the means of the two halves.
+  // Initial levels: the means of the two halves.
   double sum[2] = {0, 0};
   int count[2] = {0, 0};
   for (const StripPixel& p : pixels) {
@@ -191,8 +190,8 @@ bool fit_edge(const std::vector<StripPixel>& pixels, double reach, EdgeEstimate&
   return true;
 }
 
-/// Measures the side from a to b: its edge is fitted in a strip that follows the line as it is found, so that pixels on
-/// both sides stay balanced.
+/// Measures the side from a to b. The strip of the edge fit follows the line estimate, so pixels on both sides stay
+/// balanced.
 SideFault fit_side(const Gray& gray, std::span<const std::uint8_t> valid, const Eigen::Vector2d& a,
                    const Eigen::Vector2d& b, double modules_per_side, Side& side) {
   const double length = (b - a).norm(), module = length / modules_per_side;
@@ -222,7 +221,7 @@ SideFault fit_side(const Gray& gray, std::span<const std::uint8_t> valid, const 
   return SideFault::none;
 }
 
-// The point where two sides meet, and its covariance.
+// The intersection of two sides, and its sigma.
 bool intersect(const Side& a, const Side& b, Eigen::Vector2d& q, double& sigma) {
   // n . q = m for each line, with n = across - slope along
   const Eigen::Vector2d na = a.across - a.slope * a.along, nb = b.across - b.slope * b.along;
@@ -241,7 +240,7 @@ bool intersect(const Side& a, const Side& b, Eigen::Vector2d& q, double& sigma) 
   return std::isfinite(sigma) && q.allFinite();
 }
 
-// Nothing if the corners were refined, else why not.
+// Nothing if the corners were refined, else the reason.
 std::optional<TagFault> refine(const Gray& gray, std::span<const std::uint8_t> valid, double modules,
                                const TagDetectorOptions& options, TagDetection& tag) {
   std::array<Side, 4> sides;
@@ -270,7 +269,7 @@ std::optional<TagFault> refine(const Gray& gray, std::span<const std::uint8_t> v
   return std::nullopt;
 }
 
-// What is measured of tags that were found: corners of those that can be used, and why the others cannot.
+// Measures found tags: corners of the usable ones, and reasons for the others.
 template <typename Wanted>
 TagsInPhoto measured_tags(const Gray& gray, std::span<const std::uint8_t> valid, std::vector<TagDetection> found,
                           const Wanted& wanted, const TagDetectorOptions& options, double modules) {
@@ -338,15 +337,15 @@ TagDetector::TagDetector(TagDetector&&) noexcept = default;
 TagDetector& TagDetector::operator=(TagDetector&&) noexcept = default;
 
 std::vector<TagDetection> TagDetector::detect_coarse(std::span<const std::uint8_t> gray, int width, int height) {
-  if (std::min(width, height) < limit::kLeastPhotoSide) return {};  // libapriltag reads past the rows of less
-  if (std::max(width, height) > limit::kPhotoSide)                  // and ends the program for more
+  if (std::min(width, height) < limit::kLeastPhotoSide) return {};  // libapriltag reads past the rows of smaller images
+  if (std::max(width, height) > limit::kPhotoSide)                  // and ends the program for larger ones
     fail("a photo of " + std::to_string(width) + " x " + std::to_string(height) + " pixels",
          "has a side of more than " + std::to_string(limit::kPhotoSide) + ", which no tag can be searched in",
          "make it smaller with another program (docs/limits.md)");
   const bool half = 1e-6 * width * height > state_->options.half_resolution_above_mpx;
   state_->detector->quad_decimate = half ? 2.0F : 1.0F;
-  // At half resolution AprilTag's corners are in doubt by half a pixel (its convention changed with 3.4.3); edges that
-  // it refines in the photo itself are not.
+  // At half resolution AprilTag's corners are uncertain by half a pixel (its convention changed with 3.4.3). Edges
+  // refined in the photo itself are not.
   state_->detector->refine_edges = half;
   // AprilTag only reads; its image type has no const.
   image_u8_t image = {width, height, width, const_cast<std::uint8_t*>(gray.data())};
@@ -381,8 +380,8 @@ TagsInPhoto TagDetector::detect(const Image& linear, std::span<const std::uint8_
   const Gray gray = to_gray(linear);
   const double white = bright_end(gray), modules = state_->family->width_at_border;
 
-  // A highlight may be a hundred times brighter than paper: look again with more light until every tag of the board is
-  // found.
+  // A highlight may be a hundred times brighter than paper: search again with more brightness until every tag of the
+  // board is found.
   std::vector<TagDetection> found;
   std::set<int> have;
   auto wanted = [&ids](int id) { return ids.empty() || std::find(ids.begin(), ids.end(), id) != ids.end(); };
@@ -391,7 +390,7 @@ TagsInPhoto TagDetector::detect(const Image& linear, std::span<const std::uint8_
       const Eigen::Vector2d center = 0.25 * (tag.coarse_px[0] + tag.coarse_px[1] + tag.coarse_px[2] + tag.coarse_px[3]);
       if (tag.hamming > options.max_hamming) continue;
       if (tag.decision_margin < options.min_decision_margin && exposure < 64) continue;
-      // The same tag in a darker copy is the one we have; another one with its id is an ambiguity that we must see.
+      // The same tag in a darker copy is already known; another tag with its id is an ambiguity and must be kept.
       const bool known = std::any_of(found.begin(), found.end(), [&](const TagDetection& f) {
         const double side = (f.coarse_px[1] - f.coarse_px[0]).norm();
         return f.id == tag.id &&
@@ -416,7 +415,7 @@ TagsInPhoto TagDetector::measure(const Image& linear, std::span<const std::uint8
 }
 
 std::string explain_missing_tags(const Image& linear, std::span<const std::uint8_t> valid, const std::string& family) {
-  // Exact codes only: with error correction the small families read tags into any texture.
+  // Exact codes only: with error correction the small families find tags in any texture.
   TagDetectorOptions strict;
   strict.max_hamming = 0;
   strict.min_decision_margin = 40;

@@ -69,7 +69,7 @@ TagPattern tag_pattern(const apriltag_family& family, int id, const std::string&
   if (id < 0 || static_cast<std::uint32_t>(id) >= family.ncodes)
     fail(where, std::string(family.name) + " has no tag " + std::to_string(id),
          "give an id from 0 to " + std::to_string(family.ncodes - 1));
-  // Debian's library does not export image_u8_destroy: this is what it does.
+  // Debian's library does not export image_u8_destroy; these are its steps.
   const auto release = [](image_u8_t* image) {
     std::free(image->buf);
     std::free(image);

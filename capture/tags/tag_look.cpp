@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <opencv2/calib3d.hpp>  // which leads to the geometry of OpenCV 5
+#include <opencv2/calib3d.hpp>  // leads to the geometry of OpenCV 5
 #include <opencv2/imgproc.hpp>
 
 #include "burin/capture/tags/tag_family.h"
@@ -41,7 +41,7 @@ std::vector<TagLook> look_at_tags(std::span<const TagDetection> found, const Ima
       }
     if (white.empty()) continue;
     look.clipped_fraction = lost / static_cast<double>(white.size());
-    // Of the middle two the lower one, not the upper as in median.h: what is judged by it keeps its bits.
+    // The lower of the middle two, unlike median.h: results that depend on it keep their bits.
     const auto middle_one = white.begin() + static_cast<std::ptrdiff_t>((white.size() - 1) / 2);
     std::nth_element(white.begin(), middle_one, white.end());
     look.white = *middle_one;
