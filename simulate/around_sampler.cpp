@@ -14,7 +14,7 @@ AroundSampler::AroundSampler(std::shared_ptr<const Panorama> panorama) : panoram
   double sum = 0;
   for (int y = 0; y < picture.height; ++y)
     for (int x = 0; x < picture.width; ++x) {
-      // What lies well below the face lights no board, however it is bowed.
+      // Light from far below the face reaches no board, bowed or not.
       const bool counts = panorama_->direction(x + 0.5, y + 0.5).z() > -0.3;
       if (counts) sum += (picture.at(x, y, 0) + picture.at(x, y, 1) + picture.at(x, y, 2)) * panorama_->solid_angle(y);
       until_.push_back(sum);
@@ -33,7 +33,7 @@ Eigen::Vector3d AroundSampler::draw(double a, double b, double c) const {
       std::ssize(until_) - 1, std::upper_bound(until_.begin(), until_.end(), a) - until_.begin()));
   const std::size_t in_row = at % picture.width, above = at / picture.width;
   const double column = static_cast<double>(in_row) + b, row = static_cast<double>(above);
-  // Evenly over the pixel's solid angle: in the cosine of the polar angle.
+  // Uniform over the pixel's solid angle: in the cosine of the polar angle.
   const double top = std::cos(std::numbers::pi * row / picture.height),
                bottom = std::cos(std::numbers::pi * (row + 1) / picture.height);
   return panorama_->direction(column, std::acos(top + c * (bottom - top)) / std::numbers::pi * picture.height);
@@ -58,7 +58,7 @@ Eigen::Vector3d AroundSampler::reflected(const RoughFacet& facet, const Eigen::V
   const Eigen::Vector3d h = (wi + wo).normalized();
   const double n_h = facet.normal.dot(h), cos_ho = wo.dot(h);
   if (!(cos_i > 0 && cos_o > 0 && n_h > 0 && cos_ho > 0)) return Eigen::Vector3d::Zero();
-  // GGX and Smith, written out anew (docs/model.md 3.1 to 3.3, 3.7).
+  // GGX and Smith, written independently of the renderer (docs/model.md 3.1 to 3.3, 3.7).
   const double m_h = facet.across.dot(h) / facet.ratio, l_h = along.dot(h), a2 = alpha * alpha;
   const double q = a2 * n_h * n_h + m_h * m_h + l_h * l_h, D = a2 / (std::numbers::pi * facet.ratio * q * q);
   const auto g1 = [a2](double c) { return 2 / (1 + std::sqrt(1 + a2 * (1 / (c * c) - 1))); };

@@ -54,7 +54,7 @@ int at_least(JsonObject& json, const std::string& key, int least, int fallback) 
   return v;
 }
 
-// The fields of a material; what is not there stays. The caller calls finish().
+// Reads the fields of a material; missing fields keep their values. The caller calls finish().
 void read_material_into(JsonObject& json, Material& material) {
   material.alpha = roughness(json, "alpha", material.alpha);
   material.depth_um = read_depth_um(json, "depth_um", material.depth_um);
@@ -288,7 +288,7 @@ ShapeOnBoard read_shape(JsonObject& json) {
 Dust read_dust(JsonObject json, std::uint64_t seed) {
   Dust dust;
   dust.specks = at_least(json, "specks", 0, 0);
-  dust.fibers = at_least(json, "fibres", 0, 0);  // spelled as in the files there are
+  dust.fibers = at_least(json, "fibres", 0, 0);  // spelling of existing files
   for (const int count : {dust.specks, dust.fibers})
     require_at_most(static_cast<std::size_t>(count), limit::kDust, json.where(), "pieces of dust", "strew less");
   const auto size = json.has("speck_mm") ? json.numbers("speck_mm", 2) : std::vector{dust.smallest_mm, dust.largest_mm};
@@ -398,7 +398,7 @@ Sent sent_scratches(const BenchTruth& truth) {
   const Eigen::Vector2d low = truth.board.carve_min_mm, high = truth.board.carve_max_mm;
   using Uniform = std::uniform_real_distribution<>;
   Uniform length(truth.random.shortest_mm, truth.random.longest_mm), angle(0, std::numbers::pi);
-  // Drawn again until both ends lie inside; one of a hundred tries is enough unless scratches outgrow the carve area.
+  // Drawn again until both ends are inside; one hundred tries suffice unless scratches outgrow the carve area.
   for (long tries = 0; static_cast<int>(scratches.size()) < truth.random.count; ++tries) {
     if (tries > 100L * truth.random.count + 1000)
       fail(truth.file.string() + ": scratches.random.length_mm", "is too long for the carve area",
@@ -421,8 +421,7 @@ Sent sent_scratches(const BenchTruth& truth) {
 
 namespace {
 
-// What uneven screws add to a told place, and half the backlash that a way takes away: the machine's own account, point
-// by point.
+// Shift of a commanded place by uneven screws, point by point; independent of scene/machine_errors.h.
 Eigen::Vector2d screw_at(const BenchTruth& truth, const Eigen::Vector2d& p) {
   const MachineErrors& m = truth.machine_errors;
   Eigen::Vector2d out;
@@ -433,7 +432,7 @@ Eigen::Vector2d screw_at(const BenchTruth& truth, const Eigen::Vector2d& p) {
   return out;
 }
 
-// The told scratches shifted by half the backlash against their way, as steps of the axes' screws.
+// The commanded scratches shifted by half the backlash against their direction, as steps of the axes' screws.
 Sent lagging(const BenchTruth& truth, const Sent& sent) {
   Sent out = sent;
   Scratches& s = out.scratches;
@@ -482,7 +481,7 @@ Carved carved_by(const BenchTruth& truth, const Sent& sent) {
   bench.machine_affine = truth.machine_affine;
   bench.material = truth.board.material;
   bench.depth_field.terms = {truth.depth_gradient.x(), truth.depth_gradient.y(), 0, 0, 0, truth.wear};
-  // Grooves that cross are left whole: the sampler finds out at each point which of them rules.
+  // Crossing grooves stay whole: the sampler decides at each point which of them rules.
   Carved carved = carve(lagging(truth, sent), bench, truth.believed);
   Scratches& s = carved.scratches;
   const std::size_t n = s.size();

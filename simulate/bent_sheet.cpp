@@ -11,7 +11,7 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-// Both distances along a ray at which it meets the whole cylinder, the nearer first.
+// Both distances along a ray to its intersections with the whole cylinder, the nearer first.
 std::optional<std::array<double, 2>> meetings(const BentSheet& sheet, const Vector3d& origin, const Vector3d& ray) {
   const auto aside = [&](const Vector3d& v) { return Vector3d(v - sheet.axis * sheet.axis.dot(v)); };
   const Vector3d o = aside(origin - sheet.center_mm), d = aside(ray);
@@ -26,7 +26,7 @@ double outside_by(const BentSheet& sheet, const Vector2d& p) {
   return std::max({-p.x(), -p.y(), p.x() - sheet.size_mm.x(), p.y() - sheet.size_mm.y()});
 }
 
-// Where a point of the cylinder was on the flat sheet, and the face's normal there.
+// Position on the flat sheet of a point of the cylinder, and the face's normal there.
 Vector2d unrolled(const BentSheet& sheet, const Vector3d& p, Vector3d& normal) {
   const Vector3d from = p - sheet.center_mm, aside = from - sheet.axis * sheet.axis.dot(from);
   normal = aside / sheet.radius_mm;
@@ -47,7 +47,7 @@ BentSheet::BentSheet(double radius, double axis_deg, const Vector2d& size)
 BentSheet::Place BentSheet::at(double x_mm, double y_mm) const {
   const Vector3d flat(x_mm - size_mm.x() / 2, y_mm - size_mm.y() / 2, 0);
   const Vector3d across = Vector3d::UnitZ().cross(axis);
-  // The sheet rolls: what lies s across the axis turns by s / radius, away from z where the radius is above 0.
+  // The sheet rolls: a point s across the axis turns by s / radius, away from z if the radius is positive.
   const double angle = across.dot(flat) / radius_mm;
   Place place;
   place.turn = Eigen::AngleAxisd(-angle, axis).toRotationMatrix();
@@ -76,7 +76,7 @@ bool BentSheet::shades(const Place& place, const Vector3d& lamp_mm) const {
   if (!(way.dot(place.normal()) > 0)) return true;
   const auto both = meetings(*this, place.position_mm, way);
   if (!both) return false;
-  constexpr double kStart = 1e-9;  // of the way: the place itself
+  constexpr double kStart = 1e-9;  // share of the way: excludes the place itself
   return std::any_of(both->begin(), both->end(), [&](double part) {
     Vector3d normal;
     return part > kStart && part < 1 && outside_by(*this, unrolled(*this, place.position_mm + part * way, normal)) <= 0;

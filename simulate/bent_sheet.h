@@ -1,5 +1,5 @@
-// burin/simulate/bent_sheet.h - a bent sheet as the simulated camera sees it: rays against a true cylinder,
-// and the sheet turned about its axis. Written apart from burin/scene/bend.h, which it judges. Frame: board, mm.
+// burin/simulate/bent_sheet.h - a bent sheet for the simulated camera: rays against a true cylinder, and the sheet
+// rolled about its axis. Independent of burin/scene/bend.h, which it validates. Frame: board, mm.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -11,11 +11,11 @@ struct BentSheet {
   double radius_mm = 1;  ///< below 0: hollow
   Eigen::Vector2d size_mm{1, 1};
   Eigen::Vector3d axis{1, 0, 0};       ///< unit, through `center_mm`
-  Eigen::Vector3d center_mm{0, 0, 0};  ///< the cylinder's, below (or above) the sheet's middle
+  Eigen::Vector3d center_mm{0, 0, 0};  ///< center of the cylinder, below (or above) the sheet's middle
 
   BentSheet(double radius, double axis_deg, const Eigen::Vector2d& size);
 
-  /// A place of the flat sheet after bending: the turn of the sheet there, and where it went.
+  /// A place of the flat sheet after bending: the sheet's rotation there, and its new position.
   struct Place {
     Eigen::Matrix3d turn;  ///< takes the flat sheet's directions to those in space
     Eigen::Vector3d position_mm;
@@ -23,12 +23,12 @@ struct BentSheet {
   };
   Place at(double x_mm, double y_mm) const;
 
-  /// Where a ray first meets the sheet from its front; up to `beyond_mm` past its edges as if it went on there. Nothing
-  /// where it passes, or meets the back first.
+  /// The first intersection of a ray with the front of the sheet, up to `beyond_mm` past its edges, as if the sheet
+  /// continued. Nothing if the ray misses the sheet or meets the back first.
   std::optional<Eigen::Vector2d> first_met(const Eigen::Vector3d& origin_mm, const Eigen::Vector3d& ray,
                                            double beyond_mm) const;
 
-  /// Whether the sheet throws its own shadow on a place.
+  /// True if the sheet casts its own shadow on a place.
   bool shades(const Place& place, const Eigen::Vector3d& lamp_mm) const;
 };
 

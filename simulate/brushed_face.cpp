@@ -9,7 +9,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-// -1 to 1, of one cell's corner.
+// Random value of one cell's corner, -1 to 1.
 double lattice(std::int64_t i, std::int64_t j, std::uint64_t seed) {
   const std::uint64_t v = static_cast<std::uint64_t>(i) * 0x9e3779b97f4a7c15ULL ^
                           (static_cast<std::uint64_t>(j) + 0x632be59bd9b4e019ULL) * 0xd1b54a32d192ed03ULL ^ seed;

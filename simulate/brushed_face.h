@@ -1,5 +1,5 @@
-// burin/simulate/brushed_face.h - a simulated face that was brushed: its two roughnesses, and streaks that
-// tilt it. Written from the microfacet's slopes; shares nothing with face_grain.h but the numbers. Frame: board.
+// burin/simulate/brushed_face.h - a simulated brushed face: its two roughnesses, and streaks that tilt it. Derived from
+// the slopes of microfacets; shares only the parameters with face_grain.h. Frame: board.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,7 +9,7 @@
 
 namespace burin {
 
-/// What the sampler needs of a brushed face.
+/// Parameters of a brushed face for the sampler.
 struct BrushedFace {
   double along_x = 1, along_y = 0;  ///< unit, along the brushing
   double alpha_along = 0.1, alpha_across = 0.1;
@@ -22,7 +22,7 @@ BrushedFace brushed_face(const BenchTruth& truth);
 double brushed_light(const BrushedFace& face, const Eigen::Vector3d& normal, const Eigen::Vector3d& h,
                      const Eigen::Vector3d& wi, const Eigen::Vector3d& wo);
 
-/// The normal where streaks tilt it across the brushing.
+/// The normal with the streaks' tilt across the brushing.
 Eigen::Vector3d streaked_normal(const BrushedFace& face, const Eigen::Vector3d& normal, double x_mm, double y_mm);
 
 }  // namespace burin

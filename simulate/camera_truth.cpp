@@ -15,7 +15,7 @@ cv::Mat view_of(const Image& image) {
   return {image.height, image.width, CV_32FC(image.channels), const_cast<float*>(image.data.data())};
 }
 
-// One color a pixel is kept, and the other two are made up.
+// Keeps one color per pixel and interpolates the other two.
 Image demosaiced(const Image& linear) {
   cv::Mat mosaic(linear.height, linear.width, CV_16U);
   for (int y = 0; y < linear.height; ++y)

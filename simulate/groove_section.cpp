@@ -17,7 +17,7 @@ Outline outline(const GrooveSection& s, double x) {
     const double t = a / (2 * s.radius_um);
     return {-2 * s.radius_um * std::log1p(-t * t), sign * 2 * t / (1 - t * t)};
   }
-  const double steep = s.radius_um * s.flank_slope / std::hypot(1, s.flank_slope);  // where the arc ends
+  const double steep = s.radius_um * s.flank_slope / std::hypot(1, s.flank_slope);  // end of the arc
   if (a <= steep) {
     const double root = std::sqrt(s.radius_um * s.radius_um - a * a);
     return {s.radius_um - root, sign * a / root};
@@ -39,7 +39,7 @@ GrooveSection section_of(const GrooveProfile& profile, double width_um, double d
   s.burr_um[0] = profile.burr_left_um;
   s.burr_um[1] = profile.burr_right_um;
   s.burr_width_um = profile.burr_width_um;
-  // Where the outline is as high as the face, by halving: the outline only rises.
+  // Bisection for the outline's intersection with the face: the outline is monotonic.
   double low = 0, high = s.round_v ? s.radius_um + depth_um / std::max(s.flank_slope, 1e-3) : 2 * s.radius_um;
   if (s.round_v) high = std::max(high, s.radius_um);
   for (int i = 0; i < 100; ++i) {

@@ -1,6 +1,6 @@
-// burin/simulate/groove_section.h - the cross-section of a simulated groove, asked point by point: how high
-// the metal stands at x and how it leans there. Shares nothing with groove_profile.cpp's bands. Units: um; x across the
-// groove, to the right of the way carved.
+// burin/simulate/groove_section.h - cross-section of a simulated groove, point by point: height of the metal at x, and
+// its slope. Shares nothing with groove_profile.cpp's bands. Units: um; x across the groove, to the right of the
+// direction of carving.
 #pragma once
 
 #include <optional>
@@ -9,7 +9,7 @@
 
 namespace burin {
 
-/// A groove's own numbers.
+/// Dimensions of one groove.
 struct GrooveSection {
   bool paper = true;  ///< docs/model.md 2.1: the sampler has its normal in closed form
   bool round_v = false;
@@ -20,11 +20,11 @@ struct GrooveSection {
 };
 GrooveSection section_of(const GrooveProfile& profile, double width_um, double depth_um);
 
-/// The metal at one place: above the face (0) or below, and the angle whose tangent is its slope.
+/// The metal at one place: height above the face (0), and the angle whose tangent is its slope.
 struct SectionPoint {
   double height_um, lean;
 };
-/// Nothing where neither groove nor burr is.
+/// Nothing outside of groove and burr.
 std::optional<SectionPoint> section_at(const GrooveSection& section, double x_um);
 
 }  // namespace burin

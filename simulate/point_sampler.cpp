@@ -40,13 +40,13 @@ struct Groove {
   GrooveSection section;
 };
 
-// Grooves by place: those that reach into each cell, lowest index first.
+// Grooves by place: the grooves that reach into each cell, lowest index first.
 struct GrooveBins {
   CellGrid grid;
   std::vector<int> begin, list;
 };
 
-// How far a groove reaches to either side of its middle, burrs included.
+// Extent of a groove to either side of its middle, burrs included.
 double reach_of(const Groove& g) { return g.section.paper ? g.half_width : 1e-3 * g.section.reach_um; }
 
 double distance_to(const Groove& g, double x, double y) {
@@ -78,7 +78,7 @@ GrooveBins bins_of(const std::vector<Groove>& grooves, const Vector2d& size_mm) 
   return bins;
 }
 
-// Cloth: value noise of three octaves, mean 1, never dark to black.
+// Cloth: value noise of three octaves, mean 1, never black.
 double cloth_pattern(double x_mm, double y_mm, double strength, std::uint64_t seed) {
   const auto lattice = [&](int octave, long i, long j) {
     const auto key = static_cast<std::uint64_t>(i) * 0x9e3779b97f4a7c15ULL + static_cast<std::uint64_t>(j) + seed +
@@ -98,7 +98,7 @@ double cloth_pattern(double x_mm, double y_mm, double strength, std::uint64_t se
   return std::max(0.05, 1 + strength * sum);
 }
 
-// Light that reaches a point: towards the lamp, and intensity's common factor / distance^2.
+// Light at a point: the direction to the lamp, and intensity's common factor / distance^2.
 struct Arriving {
   Vector3d wi;
   double strength;
@@ -112,12 +112,12 @@ Arriving arriving(const Light& light, const Vector3d& p) {
   return a;
 }
 
-// Quantities that change slowly over a pixel, at one of its corners on the face.
+// Slowly varying quantities of a pixel, at one of its corners on the face.
 struct Corner {
-  double x = kNaN, y = kNaN;              // on the face; NaN where the ray misses it
+  double x = kNaN, y = kNaN;              // on the face; NaN if the ray misses it
   double cloth_x = kNaN, cloth_y = kNaN;  // on the cloth's plane
   double h_x = 0, h_y = 0, h_n = 0;       // half vector: board x and y (of a bent sheet turned flat), along the normal
-  double geometry = 0;                    // strength / (4 wo.n); 0 where lamp or camera is below the face
+  double geometry = 0;                    // strength / (4 wo.n); 0 if lamp or camera is below the face
   double fresnel = 0;                     // (1 - h.wo)^5
   double cos_i = 0, cos_o = 0;
   double base = 0;                                               // D G of the plain face times geometry
@@ -135,7 +135,7 @@ struct PixelCorners {
     return (1 - v) * ((1 - u) * corner[0]->*field + u * corner[1]->*field) +
            v * ((1 - u) * corner[2]->*field + u * corner[3]->*field);
   }
-  /// The board's box around them.
+  /// Bounding box of the corners on the board.
   void box(Vector2d& low, Vector2d& high) const {
     const auto [x0, x1] = std::minmax({corner[0]->x, corner[1]->x, corner[2]->x, corner[3]->x});
     const auto [y0, y1] = std::minmax({corner[0]->y, corner[1]->y, corner[2]->y, corner[3]->y});
@@ -144,50 +144,50 @@ struct PixelCorners {
   }
 };
 
-/// A groove as one pixel sees it.
+/// A groove in one pixel.
 struct SeenGroove {
   double x0, y0, ex, ey, length, half_width, t_per_mm, a2, scale, tilt;
   const GrooveSection* section;
 
-  /// How far to the right of its middle line a point lies; nothing beyond its ends.
+  /// Signed distance of a point to the right of the groove's middle line; nothing beyond its ends.
   std::optional<double> across(double px, double py) const {
     const double dx = px - x0, dy = py - y0, along = dx * ex + dy * ey;
     if (along < 0 || along > length) return std::nullopt;
     return dx * ey - dy * ex;
   }
-  /// The same; nothing beside it either.
+  /// The distance for points inside the groove; nothing for others.
   std::optional<double> within(double px, double py) const {
     const std::optional<double> aside = across(px, py);
     return aside && std::abs(*aside) <= half_width ? aside : std::nullopt;
   }
 };
 
-/// The face as one pixel sees it: its normal, the way to the camera, and that way with the sheet turned flat.
+/// The face in one pixel: its normal, the direction to the camera, and that direction with the sheet turned flat.
 struct SeenFace {
   Vector3d normal{0, 0, 1}, wo{0, 0, 1}, wo_flat{0, 0, 1};
-  Vector3d grooves_lie{0, 0, 1};                       // normal that the grooves' directions are told against
+  Vector3d grooves_lie{0, 0, 1};                       // reference normal of the grooves' directions
   Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();  // takes directions on the flat sheet to those in space
   bool shaded = false;                                 // by the sheet itself
 };
 
 /// Sums over the points of a pixel.
 struct PointSums {
-  Vector3d others = Vector3d::Zero();       // light of everything that is not metal
+  Vector3d others = Vector3d::Zero();       // light of all objects other than metal
   double metal = 0, covered = 0;            // points on metal, and grooves over them
   double groove_light = 0;                  // D G times geometry
-  double sum_u = 0, sum_v = 0, sum_uv = 0;  // of points that show the plain face
+  double sum_u = 0, sum_v = 0, sum_uv = 0;  // over points on the plain face
   double plain = 0;
 };
 
-/// A groove or burr at a point: how high the metal stands there, and how it leans.
+/// A groove or burr at a point: height and slope of the metal.
 struct Met {
   double height_um, lean;
   const SeenGroove* groove;
 };
 
-/// shine(met) for grooves of any cross-section at a point, where the height and lean of each are asked for; whether the
-/// plain face shows there. A groove cuts what stands above the face; of several the last one, or the deepest, is left.
-/// Burrs are left where no groove is, the highest.
+/// Calls shine(met) for grooves of any cross-section at a point, with height and slope; returns if the plain face shows
+/// there. A groove removes metal above the face; of several, the last one or the deepest remains. Outside of grooves
+/// the highest burr remains.
 template <typename Shine>
 bool each_section(const std::vector<SeenGroove>& grooves, double px, double py, bool last_rules, bool deepest_rules,
                   const Shine& shine) {
@@ -217,7 +217,7 @@ bool each_section(const std::vector<SeenGroove>& grooves, double px, double py, 
   return !deepest && !highest;
 }
 
-/// Whether each_section() must be asked: the paper's grooves have a short way of their own.
+/// True if each_section() is needed: the paper's grooves have a faster path.
 bool needs_sections(const std::vector<SeenGroove>& grooves, bool deepest_rules) {
   return !grooves.empty() && (deepest_rules || !grooves.front().section->paper);
 }
@@ -238,7 +238,8 @@ bool add_sections(const std::vector<SeenGroove>& grooves, double px, double py, 
   });
 }
 
-/// Light of the grooves at a point of the metal of which `bare` shows; whether the plain face shows there too.
+/// Adds the grooves' light at a point of the metal, of which `bare` is visible; returns if the plain face shows there
+/// too.
 bool add_grooves(const std::vector<SeenGroove>& grooves, double px, double py, const Vector3d& h, double bare,
                  bool last_rules, bool deepest_rules, PointSums& sums) {
   if (needs_sections(grooves, deepest_rules))
@@ -283,7 +284,7 @@ struct PointSampler::State {
   void fill_corners(const TruthView& view, const Light& light, int row, std::span<Corner> corners) const;
   Vector3d pixel(std::span<const Corner> above, std::span<const Corner> below, int x, const Light& light,
                  const Vector3d& camera, int samples, std::uint64_t seed) const;
-  /// The same under surroundings, whose light on paper is that of `flat`, a lamp straight above.
+  /// A pixel under surroundings; their light on paper is that of `flat`, a lamp straight above.
   Vector3d pixel_around(std::span<const Corner> above, std::span<const Corner> below, int x,
                         const AroundSampler& around, const Vector3d& factor, const Light& flat, const Vector3d& camera,
                         int samples, std::uint64_t seed) const;
@@ -295,7 +296,7 @@ struct PointSampler::State {
   void fill_bent_corner(const Vector3d& camera, const Vector3d& ray, const Light& light, Corner& corner) const;
   void shine(const Vector3d& camera, const Light& light, const Vector3d& p, const Vector3d& normal, bool shaded,
              const Eigen::Matrix3d& turned_flat, Corner& corner) const;
-  /// Adds the light of what lies above a point of the face; returns the share of the metal that nothing hides.
+  /// Adds the light of objects above a point of the face; returns the unhidden share of the metal.
   double add_things(const std::vector<int>& near, double px, double py, const SeenFace& face, const Light& light,
                     Vector3d& others) const;
 };
@@ -391,7 +392,7 @@ void PointSampler::State::shine(const Vector3d& camera, const Light& light, cons
     corner.base_wi = turned_flat * light_here.wi;
     corner.base_wo = turned_flat * wo;
     corner.base = 0;
-    if (!has_streaks())  // streaks are finer than a pixel: asked for at its points
+    if (!has_streaks())  // streaks are finer than a pixel and are evaluated at its points
       corner.base =
           brushed_light(*brushed, turned_flat * normal, h_flat, corner.base_wi, corner.base_wo) * corner.geometry;
     return;
@@ -401,7 +402,7 @@ void PointSampler::State::shine(const Vector3d& camera, const Light& light, cons
       facets_leaning(corner.h_n, alpha) * share_lit_and_seen(corner.cos_i, corner.cos_o, alpha) * corner.geometry;
 }
 
-// Of a bent sheet a ray meets the nearest part, or its back, which shows nothing.
+// A ray meets the nearest part of a bent sheet, or its back, which shows nothing.
 void PointSampler::State::fill_bent_corner(const Vector3d& camera, const Vector3d& ray, const Light& light,
                                            Corner& corner) const {
   constexpr double kBeyond_mm = 5;
@@ -495,7 +496,7 @@ SeenFace PointSampler::State::face_seen(double x, double y, const Light& light, 
   SeenFace face;
   if (!bent) {
     face.normal = face.grooves_lie = face_normal(truth.surface, x, y);
-    // The camera's direction, for things above the face.
+    // The camera's direction, for objects above the face.
     face.wo = face.wo_flat = (camera - Vector3d(x, y, height_mm(truth.surface, x, y))).normalized();
     return face;
   }
@@ -516,11 +517,11 @@ Vector3d PointSampler::State::pixel(std::span<const Corner> above, std::span<con
   Vector2d low(1, 1), high(0, 0);
   if (on_plane) corners.box(low, high);
   const Vector2d size = truth.board.size_mm;
-  constexpr double kEdge_mm = 1;   // paper above the face is seen over the board's edge
-  constexpr double kTorn_mm = 20;  // a pixel across the rim of a hollow sheet, which sees two far parts of it
+  constexpr double kEdge_mm = 1;   // paper above the face is visible over the board's edge
+  constexpr double kTorn_mm = 20;  // a pixel across the rim of a hollow sheet, which sees two distant parts of it
   const bool misses = !on_plane || high.x() < -kEdge_mm || high.y() < -kEdge_mm || low.x() > size.x() + kEdge_mm ||
                       low.y() > size.y() + kEdge_mm || (bent && (high - low).maxCoeff() > kTorn_mm);
-  if (misses) return cloth_at(corners, light, 0.5, 0.5);  // nothing rests on how finely the cloth is seen
+  if (misses) return cloth_at(corners, light, 0.5, 0.5);  // no result depends on the resolution of the cloth
   const bool whole = low.x() >= 0 && low.y() >= 0 && high.x() <= size.x() && high.y() <= size.y();
 
   thread_local std::vector<int> near_things, near;
@@ -574,7 +575,7 @@ Vector3d PointSampler::State::pixel(std::span<const Corner> above, std::span<con
       }
     }
 
-  // Sum of the bilinear base light over the points that show it.
+  // Sum of the bilinear base light over the points on the plain face.
   const auto& corner = corners.corner;
   double base_light = 0;
   if (sums.plain > 0)
@@ -673,8 +674,8 @@ struct PointOfLamp {
   double share = 1;
 };
 
-// Points of a lamp with an area, evenly spread: a sunflower's on a disk, a lattice on a quarter of a panel, mirrored to
-// the others (a lattice of all of it would be a panel turned by a degree).
+// Evenly spread points of an area light: a sunflower pattern on a disk; on a panel a lattice on a quarter, mirrored to
+// the others (a lattice on the whole panel would equal a panel turned by a degree).
 std::vector<Vector3d> spread_over(const Light& light, int count) {
   if (light.size.is_point()) return {light.position_mm};
   const double golden = (std::sqrt(5.0) - 1) / 2;
@@ -697,7 +698,7 @@ std::vector<Vector3d> spread_over(const Light& light, int count) {
   return out;
 }
 
-// What is lit in a photo under `light`, one by one.
+// All lit lamps of a photo under `light`, one by one.
 std::vector<Light> all_lit(const BenchTruth& truth, const Light& light) {
   std::vector<Light> lit{light};
   lit.front().also.clear();
@@ -715,8 +716,8 @@ Light flat_light(const Light& around) {
   return flat;
 }
 
-// All points of what is lit. Shares add up to 1, so that what no lamp sends counts once; a point is as much brighter as
-// its share is small.
+// All points of the lit lamps. Shares add up to 1, so light from other sources counts once. A point's brightness is
+// divided by its share.
 std::vector<PointOfLamp> points_of(const BenchTruth& truth, const Light& light) {
   const std::vector<Light> lit = all_lit(truth, light);
   std::vector<PointOfLamp> out;
@@ -750,7 +751,7 @@ Image PointSampler::radiance(const TruthView& view, const Light& light, const Pr
   std::vector<PointOfLamp> points = points_of(truth, light);
   if (lit.size() == 1 && points.size() == 1)
     return radiance_of_point(view, points.front().light, truth.samples, view_seed, progress);
-  // Each point of the lamp has pixel points of its own; a few more in all, as each pattern is coarser.
+  // Each point of the lamp has pixel points of its own; the total grows slightly, as each pattern is coarser.
   constexpr int kFewest = 9;
   const int samples = std::max(kFewest, static_cast<int>(2 * truth.samples / std::max<std::size_t>(1, points.size())));
   Image sum(truth.lens.width, truth.lens.height, 3);
@@ -812,7 +813,7 @@ Image PointSampler::radiance_of_point(const TruthView& view, const Light& light,
   const int w = s.truth.lens.width, h = s.truth.lens.height;
   const Vector3d camera = view.T_camera_board.inverse().translation();
   Image image(w, h, 3);
-  constexpr int kBand = 8;          // rows whose corners are worked out together
+  constexpr int kBand = 8;          // rows whose corners are computed together
   constexpr int kBandsAtOnce = 16;  // between two calls of progress
   const int bands = (h + kBand - 1) / kBand;
   for (int first = 0; first < bands; first += kBandsAtOnce) {

@@ -1,16 +1,15 @@
-// burin/simulate/point_sampler.h - what a camera sees of a bench with known truth, by brute force.
+// burin/simulate/point_sampler.h - radiance of a bench with known ground truth, by brute force.
 //
-// At jittered points of every pixel: which thing, groove or plain face lies there, its normal, the point NDF
-// (docs/model.md 3) and the radiance (docs/model.md 5). Nothing of the closed footprint integral is used, so that it
-// can be judged by this. A pixel's groove light is the mean over its metal of D(h, n) G F cos-terms, its share of plain
-// face what the grooves' areas leave (at most all of it covered). Directions change by less than a milliradian over a
-// pixel: wi, wo, h and the plain face's light are computed at the pixel's corners and interpolated, which errs by less
-// than 1e-5 of them.
+// At jittered points of every pixel, the sampler finds the object, groove or plain face. It evaluates the normal, the
+// point NDF (docs/model.md 3) and the radiance (docs/model.md 5). It uses nothing of the closed footprint integral, so
+// it can validate it. A pixel's groove light is the mean over its metal of D(h, n) G F cos-terms. Its share of plain
+// face is the remainder of the grooves' areas (at most all of it covered). Directions change by less than a milliradian
+// over a pixel. So wi, wo, h and the plain face's light are interpolated from the pixel's corners, with a relative
+// error below 1e-5.
 //
-// A lamp with an area is sampled at points of its own, spread evenly over it; a pixel's points are shared out among
-// them.
+// An area light is sampled at points spread evenly over it; a pixel's points are divided among them.
 //
-// The sun is a disk; surroundings are drawn from, a direction a point, and light paper as one flat lamp would.
+// The sun is a disk. Surroundings are sampled with one direction per point; on paper they act like one flat lamp.
 //
 // Frame: board, mm. Pixels: the center of the top-left pixel is (0, 0). Radiance: the lamp's intensity / mm^2.
 #pragma once
@@ -25,7 +24,7 @@
 
 namespace burin {
 
-/// Holds what all views share: the grooves by place, things on the board, and the lens's rays. The truth must outlive
+/// Data shared by all views: the grooves by place, objects on the board, and the lens's rays. The truth must outlive
 /// it.
 class PointSampler {
  public:
@@ -43,10 +42,10 @@ class PointSampler {
   struct State;
   std::unique_ptr<State> state_;
 
-  /// Under a point lamp, with `samples` points a pixel where there are scratches.
+  /// Radiance under a point lamp, with `samples` points per pixel on scratches.
   Image radiance_of_point(const TruthView& view, const Light& light, int samples, std::uint64_t seed,
                           const Progress& progress) const;
-  /// Under surroundings, `times` as bright: at each point one direction is drawn (around_sampler.h).
+  /// Radiance under surroundings `times` as bright, with one direction per point (around_sampler.h).
   Image radiance_around(const TruthView& view, const Light& light, double times, int samples, std::uint64_t seed,
                         const Progress& progress) const;
 };

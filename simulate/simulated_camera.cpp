@@ -27,7 +27,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Poisson electrons. Above 200 the normal distribution is as good: its skewness would be less than 0.07.
+// Poisson electrons. Above 200 a normal distribution replaces it: the skewness would be less than 0.07.
 double electrons(double mean, std::mt19937_64& random) {
   if (mean <= 0) return 0;
   if (mean < 200) return std::poisson_distribution<int>(mean)(random);
@@ -40,7 +40,7 @@ std::uint64_t seed_of(const BenchTruth& truth, const TruthPhoto& photo) {
   return seed;
 }
 
-// EXIF keeps times as fractions: 1/60 s, or as many millionths as it takes.
+// EXIF keeps times as fractions: 1/60 s, or as many millionths as necessary.
 std::array<std::uint32_t, 2> fraction(double value) {
   const double inverse = std::round(1 / value);
   if (value < 1 && std::abs(value * inverse - 1) < 1e-9) return {1, static_cast<std::uint32_t>(inverse)};
@@ -48,8 +48,8 @@ std::array<std::uint32_t, 2> fraction(double value) {
   return {static_cast<std::uint32_t>(std::lround(value * unit)), static_cast<std::uint32_t>(unit)};
 }
 
-// OpenImageIO 2.4 rounds EXIF's fractions to five digits. This puts exact ones into an EXIF block (TIFF's little-endian
-// layout: directories of 12-byte entries, fractions at an offset), wherever the tag is among them.
+// OpenImageIO 2.4 rounds EXIF's fractions to five digits. This function puts exact ones into an EXIF block (TIFF's
+// little-endian layout: directories of 12-byte entries, fractions at an offset), wherever the tag is among them.
 void set_fraction(std::span<char> tiff, std::uint16_t tag, double value) {
   const auto number = [&](std::size_t at, int bytes) {
     std::uint32_t v = 0;
@@ -80,7 +80,8 @@ void set_fractions(std::span<char> tiff, const BenchTruth& truth, const Photo& p
   if (truth.focal_mm) set_fraction(tiff, 37386, *truth.focal_mm);
 }
 
-// OpenImageIO 2.4 reads the EXIF chunk of PNG files but writes none: it is put in after the header (PNG 1.5, eXIf).
+// OpenImageIO 2.4 reads the EXIF chunk of PNG files but writes none. This function inserts it after the header (PNG
+// 1.5, eXIf).
 void add_exif_to_png(std::string& png, const OIIO::ImageSpec& spec, const BenchTruth& truth, const Photo& photo) {
   constexpr std::size_t kHeaderEnd = 33;  // signature and IHDR
   std::vector<char> exif;
@@ -97,7 +98,7 @@ void add_exif_to_png(std::string& png, const OIIO::ImageSpec& spec, const BenchT
   const auto length = big_endian(exif.size());
   chunk.insert(chunk.begin(), length.begin(), length.end());
   chunk.insert(chunk.end(), check.begin(), check.end());
-  png.insert(kHeaderEnd, chunk.data(), chunk.size());  // what OpenImageIO has just made is never shorter
+  png.insert(kHeaderEnd, chunk.data(), chunk.size());  // OpenImageIO's output is never shorter
 }
 
 void exact_exif_of_jpeg(std::string& jpeg, const BenchTruth& truth, const Photo& photo) {
@@ -108,7 +109,7 @@ void exact_exif_of_jpeg(std::string& jpeg, const BenchTruth& truth, const Photo&
   set_fractions(std::span(jpeg).subspan(static_cast<std::size_t>(mark - jpeg.begin()) + 6), truth, photo);
 }
 
-// Folders that were made for photos; gone at the end unless a photo lies in them.
+// Folders made for photos; the destructor removes empty ones.
 struct EmptyFolders {
   std::set<fs::path> folders;
   ~EmptyFolders() {
@@ -211,7 +212,7 @@ void simulate(const fs::path& truth_json, const fs::path& out_dir, const Simulat
   make_output_folder(out_dir);
   EmptyFolders empty;
   FilesTogether all;
-  // A session that stands from an earlier run would vouch for photos that are about to change.
+  // A session of an earlier run would list photos that are about to change.
   if (!truth.writes_session) remove_file(out_dir / "session.json");
   write_scratches(sent.scratches, out_dir / "scratches.csv");
   write_scratches(carved.scratches, out_dir / "carved.csv");

@@ -19,7 +19,7 @@ struct ThingsOnBoard::Thing {
   double cos_angle = 1, sin_angle = 0;
   double z_mm = 0;
   Coat coat;
-  // For a tag: its cells, row by row from the top; `coat` is the white paper.
+  // Cells of a tag, row by row from the top; `coat` is the white paper.
   int cells = 0;
   double cell_mm = 0;
   std::vector<bool> black;
@@ -29,7 +29,7 @@ struct ThingsOnBoard::Thing {
 struct ThingsOnBoard::Bins {
   CellGrid grid;
   std::vector<std::vector<int>> lists;
-  double margin_mm = 0;  // how far a thing may seem to be moved by its height
+  double margin_mm = 0;  // largest apparent shift of an object by its height
 };
 
 ThingsOnBoard::ThingsOnBoard(const BenchTruth& truth) : bins_(std::make_unique<Bins>()) {
@@ -71,7 +71,7 @@ ThingsOnBoard::ThingsOnBoard(const BenchTruth& truth) : bins_(std::make_unique<B
     things_.push_back(std::move(thing));
   }
 
-  // Dust: more small specks than large ones; fibers are chains of capsules that wander.
+  // Dust: more small specks than large ones; fibers are chains of capsules in a random walk.
   std::mt19937_64 random(truth.dust.seed);
   std::uniform_real_distribution<> unit;
   std::normal_distribution<> normal;
