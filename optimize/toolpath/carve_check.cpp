@@ -26,17 +26,17 @@ namespace {
 
 using Severity = Finding::Severity;
 
-constexpr double kRounding_mm = 2e-3;  // files are rounded; a rule that is broken by less is none that anyone sees
+constexpr double kRounding_mm = 2e-3;  // files are rounded; a smaller violation of a rule is invisible
 
 void add(CarveCheck& check, Severity severity, std::string what, std::string remedy) {
   check.findings.push_back({severity, {}, std::move(what), std::move(remedy)});
 }
 
-// What belongs together while one check is made.
+// State of one check.
 struct Work {
   const CarveCheckInput& input;
-  Bench bench;    ///< as given, or one that knows nothing
-  Toolpath told;  ///< what the files carve, as they tell it
+  Bench bench;    ///< as given, or one without measurements
+  Toolpath told;  ///< the files' own tool path
   std::vector<ReplayedScratch> replayed;
 };
 
@@ -51,7 +51,7 @@ Work begin(const CarveCheckInput& input) {
   return work;
 }
 
-// Every file as the machine would do it. One that cannot be followed is a red line.
+// Replays every file as the machine would. A file without a valid replay is an error.
 void replay_files(Work& work, CarveCheck& check) {
   check.tool_min_mm.setConstant(std::numeric_limits<double>::infinity());
   check.tool_max_mm = -check.tool_min_mm;
@@ -86,7 +86,7 @@ void replay_files(Work& work, CarveCheck& check) {
   }
 }
 
-// Throws Error where the files are not the tool path of these scratches.
+// Throws Error if the files are not the tool path of these scratches.
 void fail_unless_carved(const Work& work, const Scratches& scratches) {
   const CarveCheckInput& input = work.input;
   ToolpathOptions options;
@@ -100,7 +100,7 @@ void fail_unless_carved(const Work& work, const Scratches& scratches) {
   };
   std::vector<PlannedScratch> planned = planned_for(scratches);
   if (input.bench && !input.bench->machine_errors.none()) {
-    // A scratch that is carved backwards is told otherwise: backlash meets it from the other side.
+    // A reversed scratch has another command: backlash acts from the other side.
     Scratches backwards = scratches;
     std::swap(backwards.x0_mm, backwards.x1_mm);
     std::swap(backwards.y0_mm, backwards.y1_mm);
@@ -113,7 +113,7 @@ void fail_unless_carved(const Work& work, const Scratches& scratches) {
   fail_unless_good(check_toolpath(work.replayed, planned, kTolerance_mm, depths), "the files against the scratches");
 }
 
-// The files may be the tool path of what the machine's limits leave of the scratches (burin toolpath --mend).
+// True if the files are the tool path of the scratches within the machine's limits (burin toolpath --mend).
 bool carved_mended(const Work& work, CarveCheck& check) {
   const CarveCheckInput& input = work.input;
   const CarvingLimits limits = toolpath_limits(input.board, input.bench ? &*input.bench : nullptr, input.machine);
@@ -133,7 +133,7 @@ bool carved_mended(const Work& work, CarveCheck& check) {
   return true;
 }
 
-// The files against the table that they were made from.
+// Compares the files with the table behind them.
 void compare_with_design(const Work& work, CarveCheck& check) {
   const CarveCheckInput& input = work.input;
   if (!input.scratches) return;
@@ -146,7 +146,7 @@ void compare_with_design(const Work& work, CarveCheck& check) {
   }
 }
 
-// Where the strokes come to lie, and as deep and rough as they become there.
+// Carves the strokes: places, depths and roughnesses by the bench.
 void carve_them(const Work& work, CarveCheck& check) {
   Scratches sent;
   for (const PlannedScratch& s : work.told.scratches) {
@@ -155,8 +155,8 @@ void carve_them(const Work& work, CarveCheck& check) {
     sent.depth_um.push_back(1e3 * s.depth_mm);
   }
   Bench bench = work.bench;
-  bench.crossings = Crossings::add;  // whole grooves, a row each
-  // What nobody measured is what the machine is told.
+  bench.crossings = Crossings::add;  // whole grooves, one row each
+  // An unmeasured depth is the commanded one.
   if (!depth_is_measured(bench)) bench.material.depth_um = work.input.board.material.depth_um;
   check.carved = carve(Sent(std::move(sent)), bench, work.input.board).scratches;
   const DepthRange told = depth_range(work.told);
@@ -166,7 +166,7 @@ void carve_them(const Work& work, CarveCheck& check) {
   check.least_made_um = *least, check.most_made_um = *most;
 }
 
-// Design it deeper, if the machine can be told what makes that.
+// Remedy: a deeper design, if the machine has a command for it.
 std::string deeper(const Work& work, const CarveCheck& check, double lean) {
   const Board& board = work.input.board;
   const DepthTable& table = work.input.machine.depth_table;
@@ -182,7 +182,7 @@ std::string deeper(const Work& work, const CarveCheck& check, double lean) {
          " um): --depth " + fixed(depth_um, 1) + " of burin loop or burin design; or " + closer;
 }
 
-// One red line for all strokes that break a rule.
+// One error for all strokes that break a rule.
 struct Broken {
   std::size_t count = 0, first = 0;
 };
@@ -196,7 +196,7 @@ void add_broken(CarveCheck& check, const Broken& broken, const std::string& what
       remedy);
 }
 
-// Off the sheet, out of the carve area, over tags and keep-outs: with the grooves' whole width.
+// Finds grooves outside of the sheet or the carve area, or over tags and keep-outs, at their whole width.
 void judge_places(const Work& work, CarveCheck& check) {
   const Board& board = work.input.board;
   std::vector<KeepOut> places = board.keep_out;
@@ -232,7 +232,7 @@ void judge_places(const Work& work, CarveCheck& check) {
                "design again with these tags and keep-outs in board.json, or leave these scratches out (--mend)");
 }
 
-// The way round all scratches in the air: there, and round these.
+// Checks the frame, the path around all scratches in the air: it must exist, and enclose these scratches.
 void judge_frame(const Work& work, CarveCheck& check) {
   const auto frame = std::find_if(check.files.begin(), check.files.end(),
                                   [](const CheckedFile& f) { return f.scratches == 0 && f.lines > 0; });
@@ -250,7 +250,8 @@ void judge_frame(const Work& work, CarveCheck& check) {
                               "make the frame again (burin toolpath --frame)"});
 }
 
-// Beyond the cut-off: a scratch runs for the view for which it glints most; is its wall steep enough for that view?
+// Finds scratches beyond the cutoff: each belongs to the view with its largest glint, and its wall must be steep enough
+// for that view.
 void judge_glints(const Work& work, CarveCheck& check) {
   if (!work.input.design || check.carved.size() == 0) return;
   std::vector<GlintView> views;
@@ -291,7 +292,7 @@ void judge_glints(const Work& work, CarveCheck& check) {
   }
 }
 
-// Where nobody measured what is left of grooves that cross, pictures may count on light that a tool cuts away.
+// Without a measured crossing rule, pictures may rely on light that a tool cuts away.
 void judge_crossings(const Work& work, CarveCheck& check) {
   constexpr double kCrowded = 0.3;  // below, a groove crosses few others
   if (work.bench.crossings != Crossings::add || depth_is_measured(work.bench)) return;

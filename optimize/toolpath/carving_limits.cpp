@@ -18,10 +18,11 @@
 namespace burin {
 namespace {
 
-constexpr double kFilePerMm = 1e5;   // scratches.csv keeps five decimals; a division by this gives what it reads back
-constexpr double kSlack_mm = 1e-9;   // of lengths and distances, for rounding in double
-constexpr double kInside_mm = 2e-5;  // how far a mended end keeps from a rule's edge
-constexpr int kHairs = 4;            // steps of 0.6 times the least distance that a scratch may go aside to keep it
+// scratches.csv keeps five decimals; a division by this gives the value as read back
+constexpr double kFilePerMm = 1e5;
+constexpr double kSlack_mm = 1e-9;        // of lengths and distances, for rounding in double
+constexpr double kInside_mm = 2e-5;       // distance of a repaired end from a rule's edge
+constexpr int kHairs = 4;                 // largest lateral move for the least distance, in steps of 0.6 times it
 constexpr double kSmallestGroove = 1e-9;  // mm2, below which two grooves only touch
 
 std::string length_text(double mm) { return general(mm, 5) + " mm"; }
@@ -57,7 +58,7 @@ bool on_step(const Eigen::Vector2d& p, const CarvingLimits& limits, const Eigen:
   return ((told.array() - told.array().round()).abs() * limits.machine.step_mm <= kOnStep_mm).all();
 }
 
-// The first of the rules for one scratch alone that it breaks (but for steps and width).
+// The first broken rule of one scratch alone (except steps and width).
 std::optional<Rule> broken_alone(const Ends& e, double half_width, const CarvingLimits& limits,
                                  double edge_tolerance_mm) {
   if (!in_area(e.a, limits, edge_tolerance_mm) || !in_area(e.b, limits, edge_tolerance_mm)) return Rule::area;
@@ -74,8 +75,8 @@ GrooveIndex index_for(const Scratches& scratches, const CarvingLimits& limits) {
   return {limits.min_mm, limits.max_mm, std::max(0.25 * mean, 0.1)};
 }
 
-// Of the parts of a groove that others take, those that may share a place with `others` or more: a place they share
-// lies in all of their shadows on the groove's line.
+// Selects the parts of a groove covered by others that may share a place with `others` or more. A common place lies in
+// all of their projections on the groove's line.
 std::vector<std::vector<Eigen::Vector2d>> crowded(const Groove& groove,
                                                   const std::vector<std::vector<Eigen::Vector2d>>& parts, int others) {
   std::vector<std::pair<double, double>> shadows;
@@ -89,7 +90,7 @@ std::vector<std::vector<Eigen::Vector2d>> crowded(const Groove& groove,
     shadows.emplace_back(low, high);
   }
   std::vector<bool> wanted(parts.size(), false);
-  // Shadows share a place where one of them begins. Over it are those that begin until there less those that have
+  // Projections share a place at the begin of one of them. The ones over it are those begun until there minus those
   // ended.
   std::vector<double> begins, ends, shared;
   for (const auto& [begin, end] : shadows) {
@@ -113,12 +114,12 @@ std::vector<std::vector<Eigen::Vector2d>> crowded(const Groove& groove,
   return out;
 }
 
-// What a groove meets among others.
+// A groove's relations to the others.
 struct Meeting {
-  double nearest_mm = std::numeric_limits<double>::infinity();  // of those that do not cross it
+  double nearest_mm = std::numeric_limits<double>::infinity();  // of grooves that do not cross it
   std::size_t nearest = 0;
-  double share = 0;                                     // of it that others take
-  std::vector<std::pair<std::uint32_t, double>> takes;  // area that it takes from each other
+  double share = 0;                                     // of its area, covered by others
+  std::vector<std::pair<std::uint32_t, double>> takes;  // area that it covers of each other one
   int grooves = 1;                                      // over one place of it
 };
 
@@ -161,7 +162,8 @@ double widest_of(const std::vector<Groove>& grooves) {
   return widest;
 }
 
-// Ends near those of a scratch, the nearest first: a hair aside, a hair longer or shorter, then cut off at one end.
+// Candidate ends near those of a scratch, the nearest first: moved sideways, lengthened or shortened slightly, then cut
+// at one end.
 std::vector<Ends> nearby(const Ends& e, double distance_mm) {
   const double length = e.length();
   const Eigen::Vector2d u = (e.b - e.a) / length, across(-u.y(), u.x());
@@ -184,7 +186,7 @@ std::vector<Ends> nearby(const Ends& e, double distance_mm) {
   return list;
 }
 
-// The points of the machine's grid (or of the file's decimals) around a place, the nearest first, as the file has them.
+// Points of the machine's grid (or of the file's decimals) around a place, the nearest first, as the file has them.
 std::vector<Eigen::Vector2d> grid_points(const Eigen::Vector2d& p, const CarvingLimits& limits,
                                          const Eigen::Matrix2d& A_inverse) {
   const bool steps = limits.machine.step_mm > 0;
@@ -203,7 +205,7 @@ std::vector<Eigen::Vector2d> grid_points(const Eigen::Vector2d& p, const Carving
   return points;
 }
 
-// Puts both ends on grid points so that the rules for one scratch hold; the rule that forbids it otherwise.
+// Moves both ends to grid points under the rules for one scratch; returns the rule that prevents it otherwise.
 std::optional<Rule> put_on_grid(Ends& ends, double half_width, const CarvingLimits& limits,
                                 const Eigen::Matrix2d& A_inverse) {
   std::optional<Rule> broken;
@@ -224,8 +226,8 @@ std::optional<Rule> put_on_grid(Ends& ends, double half_width, const CarvingLimi
   return broken;
 }
 
-// Keeps scratches in their order, each moved to a place nearby, cut or dropped where it breaks a rule of pairs with
-// those kept before it and with what is carved.
+// Keeps scratches in their order. Each is moved to a nearby place, cut or dropped if it breaks a pair rule with kept or
+// carved ones.
 class PairKeeper {
  public:
   PairKeeper(Scratches& moved, const std::vector<std::size_t>& carved, const CarvingLimits& limits)
@@ -238,7 +240,7 @@ class PairKeeper {
     for (const std::size_t i : carved) index_.insert(static_cast<std::uint32_t>(i), grooves_[i]);
   }
 
-  /// Nothing if the scratch is kept; else the rule that it broke where it came from.
+  /// Nothing if the scratch is kept; else the rule it broke at its original place.
   std::optional<Rule> keep(std::size_t i) {
     Meeting met;
     const std::optional<Rule> broken = broken_by(i, met);
@@ -252,7 +254,7 @@ class PairKeeper {
   }
 
  private:
-  // The first rule of pairs that a scratch breaks among those kept; what it meets there.
+  // The first pair rule that a scratch breaks among kept ones, and its relations to them.
   std::optional<Rule> broken_by(std::size_t i, Meeting& met) const {
     const MachineLimits& m = limits_.machine;
     met = meet(i, grooves_, index_, widest_, m);
@@ -287,7 +289,7 @@ class PairKeeper {
   std::vector<Groove> grooves_;
   double widest_;
   GrooveIndex index_;
-  std::vector<double> lost_;  // area that others take from each
+  std::vector<double> lost_;  // area of each covered by others
 };
 
 std::string keep_out_named(const Ends& e, double half_width, const CarvingLimits& limits) {
@@ -301,7 +303,7 @@ std::string keep_out_named(const Ends& e, double half_width, const CarvingLimits
   return "a keep-out";
 }
 
-// Looks at scratches, and remembers what they break.
+// Checks scratches and records the broken rules.
 struct Judge {
   const Scratches& scratches;
   const CarvingLimits& limits;
@@ -363,7 +365,7 @@ struct Judge {
           "carve it with another tool (tool.width_um in board.json), or take its width away");
   }
 
-  // The rules of pairs.
+  // The pair rules.
   void pairs() {
     const MachineLimits& m = limits.machine;
     const std::vector<Groove> grooves = grooves_of(scratches, limits);
@@ -405,7 +407,7 @@ struct Judge {
   }
 };
 
-// Whether any groove in the area could touch the place: none is wider than the tool.
+// True if any groove in the area could touch the place: none is wider than the tool.
 bool reaches_into(const KeepOut& place, const CarvingLimits& limits) {
   Eigen::Vector2d low = place.center_mm, high = low;
   if (!place.polygon_mm.empty()) low = high = place.polygon_mm.front();
@@ -501,7 +503,7 @@ bool confine(Scratches& scratches, std::size_t index, const CarvingLimits& limit
   e.a = e.a.cwiseMax(limits.min_mm).cwiseMin(limits.max_mm);
   e.b = e.b.cwiseMax(limits.min_mm).cwiseMin(limits.max_mm);
   if (!limits.keep_out.empty()) {
-    // The longest part that is free; a hair inside of it, so that rounding on the way to a file cannot cross an edge.
+    // The longest free part, slightly shortened: rounding in a file then cannot cross an edge.
     const std::vector<LinePart> free = free_parts(e.a, e.b, limits.keep_out, half_width + kInside_mm);
     const auto longest = std::max_element(free.begin(), free.end(), [](const LinePart& p, const LinePart& q) {
       return p.second - p.first < q.second - q.first;
@@ -520,7 +522,7 @@ bool confine(Scratches& scratches, std::size_t index, const CarvingLimits& limit
     const Eigen::Vector2d u = length > 1e-9              ? Eigen::Vector2d((e.b - e.a) / length)
                               : before.squaredNorm() > 0 ? Eigen::Vector2d(before.normalized())
                                                          : Eigen::Vector2d(1, 0);
-    // Inside the limit by as much as rounding to the machine's steps may cost.
+    // Inside the limit by the possible rounding to the machine's steps.
     const double hair = kInside_mm + 0.75 * m.step_mm;
     const double half = length < m.shortest_mm ? 0.5 * m.shortest_mm + hair : std::max(0.5 * most - hair, 0.25 * most);
     const Eigen::Vector2d reach = half * u.cwiseAbs();

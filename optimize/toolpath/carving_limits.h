@@ -1,17 +1,17 @@
-// burin/optimize/toolpath/carving_limits.h - what may be carved on a board by a machine: the rules, whether scratches
-// obey them, and scratches made to obey them.
+// burin/optimize/toolpath/carving_limits.h - carving limits of a board and a machine: rules, check and repair.
 //
 // Frame: board, mm. The rules, each exact:
 //   area      both ends lie in the board's carve area
-//   keep-out  the groove (its line widened by its half-width) stays off every keep-out and off the tags' paper
+//   keep-out  the groove (its line widened by its half-width) avoids every keep-out and the tags' paper
 //   length    from end to end, shortest to longest
-//   step      both ends, taken back through the machine's measured map to what it is told, lie on multiples of the step
-//             in x and in y (as well as the file's five decimals tell)
+//   step      both commanded ends (through the inverse of the measured map) lie on multiples of the step in x and in y
+//             (up to the file's five decimals)
 //   distance  two scratches that do not cross keep this distance between their lines
-//   overlap   the parts of a groove that other grooves take, added up over them, are no more than this share of it
+//   overlap   the sum of a groove's parts covered by other grooves is at most this share of it
 //   grooves   no place lies in more than this many grooves
 //   width     wt is the tool's: a scratch with a width of its own has that one
-// What is in the metal already (Scratches::carved) is not judged, but counts for its neighbors' distance and overlap.
+// Scratches already in the metal (Scratches::carved) are not judged, but count for their neighbors' distance and
+// overlap.
 #pragma once
 
 #include <Eigen/Core>
@@ -28,71 +28,71 @@
 
 namespace burin {
 
-/// What a machine can carve on a board, in one place.
+/// All limits for carving with a machine on a board.
 struct CarvingLimits {
   Eigen::Vector2d min_mm{0, 0}, max_mm{0, 0};  ///< the carve area
-  std::vector<KeepOut> keep_out;               ///< the tags' paper included; only what reaches into the area
+  std::vector<KeepOut> keep_out;               ///< places that reach into the area, the tags' paper included
   MachineLimits machine;
   double width_um = 0;  ///< the tool's
   double depth_um = 0;  ///< of grooves without a depth of their own
-  Eigen::Matrix<double, 2, 3> affine = Eigen::Matrix<double, 2, 3>::Identity();  ///< told to the machine -> carved
+  Eigen::Matrix<double, 2, 3> affine = Eigen::Matrix<double, 2, 3>::Identity();  ///< commanded -> carved
 };
 
-/// How near to a multiple of the step an end counts as on it: the file's five decimals, through the machine's map.
+/// Largest distance of an end on a step from the multiple: the file's five decimals, through the machine's map.
 inline constexpr double kOnStep_mm = 3e-5;
 
 /// The rules for this board and machine. `affine` is the bench's machine.affine, `depth_um` its material's.
 CarvingLimits carving_limits(const Board& board, const MachineLimits& machine, double depth_um,
                              const Eigen::Matrix<double, 2, 3>& affine);
 
-/// Whether any rule concerns pairs of scratches (distance, overlap, grooves).
+/// True if any rule concerns pairs of scratches (distance, overlap, grooves).
 bool has_pair_rules(const MachineLimits& machine);
 
 enum class Rule { area, keep_out, shortest, longest, step, distance, overlap, grooves, width };
 inline constexpr std::size_t kRules = 9;
 
-/// A word for it: "keep-out", "shortest length".
+/// Name for people: "keep-out", "shortest length".
 const char* rule_name(Rule rule);
 
-/// Whether scratches can be carved, and what to do if not.
+/// Result of a check, with the remedy.
 struct LimitsCheck {
   std::array<std::size_t, kRules> broken{};  ///< scratches that break each rule
-  std::string first;                         ///< the first in the file: which row, what is wrong
+  std::string first;                         ///< the first in the file: its row and fault
   std::string remedy;
 
-  /// Whether no rule is broken.
+  /// True if no rule is broken.
   bool good() const;
 };
 
-/// Judges every scratch. `edge_tolerance_mm`: by how much ends may leave the carve area.
+/// Judges every scratch. `edge_tolerance_mm` is the permitted excess of ends beyond the carve area.
 LimitsCheck check_limits(const Scratches& scratches, const CarvingLimits& limits, double edge_tolerance_mm = 0);
 
-/// Throws Error where rules concern pairs of scratches, and these lie so near one another that judging or mending them
-/// would take hours (limit::kNear). Quick.
+/// Throws Error if rules concern pairs of scratches, and these are so dense that their check or repair would take hours
+/// (limit::kNear). Fast.
 void fail_if_crowded(const Scratches& scratches, const CarvingLimits& limits);
 
-/// Throws Error with the first fault and how many there are of each kind, unless the check is good.
+/// Throws Error with the first fault and the number of each kind, unless the check is good.
 void fail_unless_good(const LimitsCheck& check, const std::string& name);
 
-/// Moves a scratch, as little as is easy, to where it obeys the rules that concern it alone (area, keep-out, length):
-/// into the area, cut off at a keep-out, lengthened or shortened about its middle. Where that does not help it takes
-/// the ends it had before if those obey; otherwise it stays as it came and false is returned.
+/// Projects a scratch to the rules that concern it alone (area, keep-out, length), with a small move. It moves the
+/// scratch into the area, cuts it at a keep-out, and lengthens or shortens it about its middle. If this fails, it
+/// restores the previous ends if they obey. Otherwise it leaves the scratch unchanged and returns false.
 bool confine(Scratches& scratches, std::size_t index, const CarvingLimits& limits, const Eigen::Vector2d& a_before_mm,
              const Eigen::Vector2d& b_before_mm);
 
 /// Scratches within all rules.
 struct Mended {
-  Scratches scratches;                        ///< ends on steps, or on the file's decimals where there is no step
-  std::vector<std::size_t> rows;              ///< of the scratches given, for each kept one, ascending
+  Scratches scratches;                        ///< ends on steps, or on the file's decimals without a step
+  std::vector<std::size_t> rows;              ///< rows of the input, one per kept scratch, ascending
   std::array<std::size_t, kRules> dropped{};  ///< by the rule that they could not obey
-  std::vector<std::optional<Rule>> broken;    ///< of each scratch given: the rule it was dropped for
-  double moved_mm = 0;                        ///< the farthest that an end of a kept one moved
+  std::vector<std::optional<Rule>> broken;    ///< rule of each dropped scratch of the input
+  double moved_mm = 0;                        ///< largest move of an end of a kept scratch
 };
 
-/// Confines each scratch, puts its ends on steps, and keeps one after the other, the worthiest first. One that would
-/// break a rule of pairs with those kept before goes aside, grows or shrinks by up to 2.4 times the least distance, or
-/// is cut off to no less than half its length; where that does not help it is dropped. `worth`: one each, or empty for
-/// the file's order. What is in the metal already is kept as it is.
+/// Repairs scratches: confines each, puts its ends on steps, and keeps them one by one in the order of their marginal
+/// contribution. A scratch that would break a pair rule with kept ones is moved, lengthened or shortened by up to 2.4
+/// times the least distance, or cut to no less than half its length. If this fails, it is dropped. `worth` has one
+/// value per scratch, or is empty for the file's order. Scratches already in the metal stay unchanged.
 Mended mend(const Scratches& scratches, const CarvingLimits& limits, std::span<const double> worth = {});
 
 /// "12 for their length, 3 for overlap", or nothing.

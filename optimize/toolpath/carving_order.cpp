@@ -13,7 +13,7 @@ namespace {
 
 using End = std::int32_t;  // end e of scratch s is 2 s + e; its other end is End ^ 1
 
-/// The ends of all scratches on a grid of cells that hold about two each.
+/// The ends of all scratches on a grid of cells with about two each.
 class EndGrid {
  public:
   explicit EndGrid(const std::vector<Eigen::Vector2d>& ends) : ends_(ends) {
@@ -33,7 +33,7 @@ class EndGrid {
     cell.erase(std::find(cell.begin(), cell.end(), end));
   }
 
-  /// The `count` ends nearest to p among those for which `wanted` holds, nearest first; equally near ones by number.
+  /// The `count` ends nearest to p among those accepted by `wanted`, nearest first; equally near ones by number.
   template <typename Wanted>
   void nearest(const Eigen::Vector2d& p, std::size_t count, Wanted wanted,
                std::vector<std::pair<double, End>>& found) const {
@@ -85,8 +85,8 @@ class EndGrid {
   std::vector<std::vector<End>> cells_;
 };
 
-/// A closed tour of n scratches and one more, the start: its end 1 is where the tool waits, its end 0 is where the tour
-/// ends. Held as an array of entering ends; a move of 2-opt turns round a run of it.
+/// A closed tour of n scratches and the start. The start's end 1 is the tool's first position, its end 0 the end of the
+/// tour. Stored as an array of entering ends; a 2-opt move reverses a run of it.
 class Tour {
  public:
   Tour(const Scratches& scratches, const CarvingOrderOptions& options) : return_to_start_(options.return_to_start) {
@@ -121,13 +121,13 @@ class Tour {
 
   bool is_entering(End end) const { return order_[position_[end >> 1]] == end; }
 
-  /// The end that the tool comes from or goes to in the air.
+  /// The end before or after this one in the air.
   End partner(End end) const {
     const int i = position_[end >> 1];
     return order_[i] == end ? order_[i == 0 ? size() - 1 : i - 1] ^ 1 : order_[i + 1 == size() ? 0 : i + 1];
   }
 
-  /// How far apart two ends stand in the order, the shorter way round: about what a move that joins them costs.
+  /// Cyclic distance of two ends in the order: about the cost of a move that joins them.
   int steps_between(End a, End b) const {
     const int steps = std::abs(position_[a >> 1] - position_[b >> 1]);
     return std::min(steps, size() - steps);
@@ -142,7 +142,7 @@ class Tour {
   }
 
  private:
-  /// Turns round positions first..last, cyclic, or what is not in between: the same closed tour, with fewer steps.
+  /// Reverses positions first..last, cyclic, or the complement: the same closed tour with fewer steps.
   void reverse(int first, int last) {
     const int n = size();
     int length = last - first + 1;
@@ -170,7 +170,7 @@ class Tour {
   std::vector<int> position_;
 };
 
-/// From the start always to the nearest end that is left.
+/// Greedy tour: from the start always to the nearest remaining end.
 std::vector<End> greedy_order(const Tour& tour, const Progress& progress) {
   const std::size_t n = tour.ends().size() / 2 - 1;
   std::vector<Eigen::Vector2d> ends(tour.ends().begin(), tour.ends().end() - 2);
@@ -218,8 +218,8 @@ class Improvement {
     work_off_queue(progress);
   }
 
-  /// Swaps two short neighboring runs at random, improves around them, and takes everything back unless the tour
-  /// became shorter: the way out of local optima.
+  /// Swaps two short neighboring runs at random, improves around them, and reverts everything unless the tour became
+  /// shorter. This escapes local optima.
   void kick(std::size_t kicks, const Progress& progress) {
     const int n = tour_.size();
     if (n < 8) return;
@@ -227,7 +227,7 @@ class Improvement {
     const auto below = [&random](int limit) { return static_cast<int>(random() % static_cast<std::uint64_t>(limit)); };
     const int longest = std::min(50, n / 3 - 1);
     most_steps_ =
-        std::max(1000, 50'000'000 / n);  // turning round longer runs, and back again, would cost more than it finds
+        std::max(1000, 50'000'000 / n);  // reversing longer runs, and reverting, would cost more than it finds
     for (std::size_t k = 0; k < kicks; ++k) {
       if (k % 256 == 0 && stop_ && stop_()) return;
       if (progress && k % 16384 == 0)
@@ -295,8 +295,8 @@ class Improvement {
     return false;
   }
 
-  /// Takes out the run of one to three scratches that begins at end u and puts it where u lies beside one of its
-  /// neighbors c: between c and c's partner.
+  /// Removes the run of one to three scratches that begins at end u, and inserts it between one of u's neighbors c and
+  /// c's partner.
   bool or_opt_at(End u) {
     const End before = tour_.partner(u);
     const bool u_entering = tour_.is_entering(u);
@@ -324,7 +324,7 @@ class Improvement {
     return false;
   }
 
-  /// Whether an end belongs to one of the `length` scratches from u's to w's.
+  /// True if an end belongs to one of the `length` scratches from u's to w's.
   bool in_run(End u, End w, End end, int length) const {
     End at = u;
     for (int i = 0; i < length; ++i) {
@@ -359,8 +359,8 @@ class Improvement {
   std::vector<bool> waiting_;
   std::deque<End> queue_;
   int most_steps_ = std::numeric_limits<int>::max();
-  std::vector<std::array<End, 4>> done_;  // moves since the last kick, to take them back
-  double gain_mm_ = 0;                    // by them
+  std::vector<std::array<End, 4>> done_;  // moves since the last kick, for a revert
+  double gain_mm_ = 0;                    // their sum
 };
 
 }  // namespace
@@ -374,7 +374,7 @@ std::vector<CarvingStep> carving_order(const Scratches& scratches, const Carving
   improvement.run(progress);
   improvement.kick(static_cast<std::size_t>(std::max(0, options.kicks_per_scratch)) * scratches.size(), progress);
 
-  // Read the closed tour from the start, in the direction that leaves it at its end 1.
+  // Reads the closed tour from the start, in the direction that leaves it at its end 1.
   std::vector<CarvingStep> steps;
   steps.reserve(scratches.size());
   End leaving = tour.start();

@@ -1,13 +1,14 @@
-// burin/optimize/toolpath/carving_order.h - the order, and for each scratch the end to begin at, that keeps the tool's
-// travel short.
+// burin/optimize/toolpath/carving_order.h - order and direction of scratches for short travel of the tool.
 //
-// Travel is what the tool moves in the air: from where it starts to the first scratch, and from each scratch to the
-// next. Each scratch may be carved from either end, so this is a traveling salesman's tour over the 2n ends in which
-// the n scratches are edges that stay. Method: a greedy tour to the nearest end, over a grid; then 2-opt (Croes,
-// Operations Research 6(6), 1958) and Or-opt (Or, 1976; runs of up to three scratches, either way round), both over
-// lists of nearest ends with a work queue (Bentley, ORSA J. Computing 4(4), 1992), until no such move shortens it; then
-// small random changes (a local double bridge; Johnson and McGeoch 1997), improved the same way and kept only if they
-// shorten the whole. Frame: any plane, mm. Deterministic.
+// Travel is the tool's motion in the air: from its start to the first scratch, and from each scratch to the next. Each
+// scratch may be carved from either end. So this is a traveling salesman's tour over the 2n ends, with the n scratches
+// as fixed edges.
+//
+// The method starts with a greedy tour to the nearest end, over a grid. Then 2-opt (Croes, Operations Research 6(6),
+// 1958) and Or-opt (Or, 1976; runs of up to three scratches, in both directions) improve it until no such move shortens
+// it. Both use lists of nearest ends and a work queue (Bentley, ORSA J. Computing 4(4), 1992). Finally small random
+// changes (a local double bridge; Johnson and McGeoch 1997) are improved the same way, and kept only if they shorten
+// the whole. Frame: any plane, mm. Deterministic.
 #pragma once
 
 #include <Eigen/Core>
@@ -21,38 +22,38 @@
 
 namespace burin {
 
-/// One scratch of the tour: which, and whether it is carved from its second end to its first.
+/// One scratch of the tour, and its direction: from first to second end, or reversed.
 struct CarvingStep {
   std::uint32_t scratch = 0;
   bool reversed = false;
 };
 
-/// Where the tool starts, and how hard a short way is looked for.
+/// Start of the tool, and effort of the search.
 struct CarvingOrderOptions {
-  Eigen::Vector2d start_mm{0, 0};  ///< where the tool waits before the first scratch
-  bool return_to_start = false;    ///< whether the way back counts
-  int kicks_per_scratch = 5;       ///< random changes tried; they shorten 5,000 scratches' way by 8 %, 60,000's by 1 %
-  int neighbors = 12;              ///< nearest ends looked at for each end
-  std::function<bool()> stop;      ///< true ends the search with the order found so far; may be empty
+  Eigen::Vector2d start_mm{0, 0};  ///< position of the tool before the first scratch
+  bool return_to_start = false;    ///< include the return to the start
+  int kicks_per_scratch = 5;   ///< random changes tried; they shorten 5,000 scratches' travel by 8 %, 60,000's by 1 %
+  int neighbors = 12;          ///< number of nearest ends tried for each end
+  std::function<bool()> stop;  ///< true ends the search with the order found so far; may be empty
 };
 
-/// The order to carve in: every scratch once.
+/// The carving order: every scratch once.
 std::vector<CarvingStep> carving_order(const Scratches& scratches, const CarvingOrderOptions& options = {},
                                        const Progress& progress = {});
 
-/// Whether on this bench the order of carving shows: its tool wears, or the groove carved last rules where grooves
-/// cross. Then a board must be carved in the order that it was designed for.
+/// True if the carving order affects this bench: its tool wears, or the last carved groove rules at crossings. The
+/// board must then be carved in its designed order.
 bool order_matters(const Bench& bench);
 
-/// The scratches as they are in the file: first to last, first end to second.
+/// The scratches in the file's order: first to last, first end to second.
 std::vector<CarvingStep> file_order(const Scratches& scratches);
 
-/// Length of the way in the air, mm, by the same rules.
+/// Length of the travel, mm, by the same rules.
 double travel_mm(const Scratches& scratches, const std::vector<CarvingStep>& order,
                  const CarvingOrderOptions& options = {});
 
-/// The scratches with their ends as an order has them: what scratches.csv should hold after carving by it, since its
-/// rows are in carving order (docs/file-formats.md) and the tool wears along it.
+/// The scratches with their ends as an order has them. scratches.csv should hold these after carving: its rows are in
+/// carving order (docs/file-formats.md), and the tool wears along it.
 Scratches in_carving_order(const Scratches& scratches, const std::vector<CarvingStep>& order);
 
 }  // namespace burin

@@ -1,8 +1,8 @@
-// burin/optimize/toolpath/carving_time.h - how long a machine takes to carve scratches.
+// burin/optimize/toolpath/carving_time.h - carving time of scratches on a machine.
 //
-// A scratch is: through the air to its first end, down, settle, along it, up again; each of these moves from rest to
-// rest with the profile's feeds and accelerations (move_time_s). Frame: any plane, mm. The estimate is of the built-in
-// way to carve; a profile with blocks of its own is timed by replaying what it writes
+// A scratch takes five moves: through the air to its first end, down, settle, along it, and up again. Each goes from
+// rest to rest with the profile's feeds and accelerations (move_time_s). Frame: any plane, mm. The estimate holds for
+// the built-in moves. A profile with blocks of its own is timed by a replay of its output
 // (burin/optimize/toolpath/toolpath_check.h).
 #pragma once
 
@@ -23,16 +23,16 @@ struct CarvingTime {
   double total_s() const { return metal_s + air_s + down_s; }
 };
 
-/// Of one scratch, from where the tool stands before it (lifted).
+/// Time of one scratch, from the tool's lifted position before it.
 CarvingTime scratch_time(const Eigen::Vector2d& at_mm, const Eigen::Vector2d& from_mm, const Eigen::Vector2d& to_mm,
                          double depth_mm, const MachineProfile& machine);
 
-/// Of all, in this order, beginning at work zero. `depth_um` is that of scratches without a depth of their own.
+/// Time of all scratches in this order, from work zero. `depth_um` is the depth of scratches without one of their own.
 CarvingTime carving_time(const Scratches& scratches, const std::vector<CarvingStep>& order, double depth_um,
                          const MachineProfile& machine);
 
-/// Seconds to carve these scratches, for budgets: ordered by the quick part of carving_order (no random changes), which
-/// costs 0.6 s for 40,000 scratches instead of 4.8 and says 0.2 % more than the final order.
+/// Carving time in seconds, for budgets. It uses the fast part of carving_order (no random changes), which costs 0.6 s
+/// for 40,000 scratches instead of 4.8 s. The result is 0.2 % above the final order's.
 double carving_time_s(const Scratches& scratches, double depth_um, const MachineProfile& machine);
 
 }  // namespace burin

@@ -23,7 +23,7 @@ using Eigen::Vector2d;
 
 constexpr double kSize_mm = 60, kTag_mm = 5, kTagCenter_mm = 5, kCarve_mm = 10;  // paper reaches to 9.5 mm
 constexpr double kSpacing_mm = 0.27, kCloser_mm = 0.2;
-constexpr double kDeeper = 1.3;          // grooves may come out so much deeper than is believed without touching
+constexpr double kDeeper = 1.3;          // grooves may be deeper than the prior by this factor without contact
 constexpr double kBeyondTable = 2;       // times the table's last preload
 constexpr int kMostAcross = 6;           // fans in a row
 constexpr double kFanGap_mm = 0.25;      // between fans
@@ -32,7 +32,7 @@ constexpr double kFewestSpokes = 24, kMostSpokes = 180;
 
 const char* const kWhere = "coupon";
 
-// What a command is believed to make, um: by the table, straight on beyond its rows.
+// Prior depth of a command, um: by the table, extrapolated beyond its rows.
 double believed_depth_um(const MachineProfile& machine, double command) {
   if (machine.depth_by == DepthBy::fixed_z) return 1e3 * command;
   const std::vector<DepthStep>& rows = machine.depth_table.rows;
@@ -61,7 +61,7 @@ bool falls(const MachineProfile& machine) {
   return machine.depth_by == DepthBy::servo && rows.back().command < rows.front().command;
 }
 
-// The ladder: as given, or five steps over what the machine's table knows (or about the depth that is believed).
+// The ladder: as given, or five steps over the range of the machine's table (or about the prior depth).
 std::vector<double> commands_of(const MachineProfile& machine, const CouponOptions& options) {
   const bool fixed = machine.depth_by == DepthBy::fixed_z;
   if (!options.commands.empty() && fixed)
@@ -83,7 +83,7 @@ std::vector<double> commands_of(const MachineProfile& machine, const CouponOptio
   }
   check_rising(commands, fixed ? "depths" : "commands", falls(machine));
   if (by_preload(machine.depth_by)) {
-    // Beyond the table lies what a coupon is to find out; far beyond it lies the spring's stop.
+    // The coupon measures depths beyond the table; far beyond it is the spring's stop.
     const double hardest_mm = std::min(kBeyondTable * machine.depth_table.rows.back().command, bound::kPreload_mm);
     if (commands.back() > hardest_mm)
       fail(kWhere,
@@ -99,7 +99,7 @@ std::vector<double> commands_of(const MachineProfile& machine, const CouponOptio
   return commands;
 }
 
-// The machine with a table that holds all commands of the ladder.
+// The machine with its table extended to all commands of the ladder.
 MachineProfile with_commands(MachineProfile machine, const std::vector<double>& commands) {
   if (machine.depth_by == DepthBy::fixed_z) return machine;
   const MachineProfile known = machine;
@@ -126,7 +126,7 @@ struct Spokes {
   std::size_t count = 0;
 };
 
-// The inner ends stay apart by `clear_mm`.
+// The inner ends are `clear_mm` apart.
 Spokes spokes_of(double outer_mm, double spacing_mm, double clear_mm) {
   Spokes spokes{0.3 * outer_mm, outer_mm, 0};
   for (int pass = 0; pass < 20; ++pass) {
@@ -170,8 +170,8 @@ void shuffle(std::vector<std::size_t>& list, std::mt19937_64& random) {
   for (std::size_t i = list.size(); i > 1; --i) std::swap(list[i - 1], list[random() % i]);
 }
 
-// Which cell each fan belongs to, in carving order: the cells at the usual speed early, their repeats late, so that
-// wear shows between the two; all others between them, where it matters least; each of the three shuffled. The middle
+// The cell of each fan, in carving order. Cells at the usual speed come early and their repeats late, so the difference
+// shows wear. All others come between, where wear matters least. Each of the three groups is shuffled. The middle
 // command comes first and last.
 std::vector<std::size_t> order_of(std::size_t cells, std::size_t usual, std::size_t fans, std::mt19937_64& random) {
   const std::size_t middle = usual / 2;
@@ -218,12 +218,13 @@ Board coupon_board(const CouponOptions& options, double depth_um) {
   return board;
 }
 
-// Lamp and eyes so that half vectors lean by as much as walls of the ladder's grooves do at their steepest, on both
-// sides of each even if what is believed is a third off, and lie 60 degrees apart seen from above. The lamp is low:
-// then the eye that sees the largest lean looks past it.
+// Places lamp and viewpoints. Half vectors tilt by the cutoff angles of the ladder's grooves, and bracket each even if
+// the prior is a third off. Their azimuths are 60 degrees apart. The lamp is low, so that the viewpoint with the
+// largest tilt looks past it.
 void place_shots(double shallowest_um, double deepest_um, Coupon& coupon, double tool_width_um) {
   constexpr double kLampTilt = std::numbers::pi / 3, kLamp_mm = 600, kEye_mm = 300;
-  constexpr double kOff = 0.3, kLeastLean = 0.15, kMostLean = 0.84;  // off the mirror's light; the eye off the lamp
+  // error of the prior depth; least tilt, off the mirror reflection; largest tilt, with the viewpoint off the lamp
+  constexpr double kOff = 0.3, kLeastLean = 0.15, kMostLean = 0.84;
   const double low = 2 * std::atan(groove_rim(tool_width_um, (1 - kOff) * shallowest_um)),
                high = 2 * std::atan(groove_rim(tool_width_um, (1 + kOff) * deepest_um));
   const Eigen::Vector3d middle(kSize_mm / 2, kSize_mm / 2, 0);
@@ -242,7 +243,7 @@ void place_shots(double shallowest_um, double deepest_um, Coupon& coupon, double
   put(0.87, -90);
 }
 
-// How many fans stand in a row, and how long their spokes are.
+// Fans per row, and length of their spokes.
 struct Grid {
   int across = 0;
   double pitch_mm = 0;
@@ -250,7 +251,7 @@ struct Grid {
   std::vector<Spokes> spokes;  // of each cell
 };
 
-// The shortest scratch that shows and that the machine carves.
+// The shortest scratch that is visible and permitted.
 double shortest_mm(const MachineProfile& machine) {
   return std::max(kShortestSpoke_mm, machine.limits.shortest_mm + 2 * machine.limits.step_mm);
 }
@@ -259,7 +260,7 @@ double groove_width_mm(const CouponCell& cell, double tool_width_um) {
   return 2e-3 * half_width_um(tool_width_um, kDeeper * cell.depth_um);
 }
 
-// A cell's spokes in fans of this radius; nothing where its grooves would touch or be too short.
+// A cell's spokes in fans of this radius; nothing if its grooves would touch or be too short.
 std::optional<Spokes> fitting_spokes(const CouponCell& cell, double outer_mm, const MachineProfile& machine,
                                      double tool_width_um) {
   const double clear_mm = std::max(groove_width_mm(cell, tool_width_um), machine.limits.distance_mm) + 0.02;
@@ -270,7 +271,7 @@ std::optional<Spokes> fitting_spokes(const CouponCell& cell, double outer_mm, co
   return spokes;
 }
 
-// Spacings that nobody asked for become as wide as grooves need them; a second one that is not closer any more goes.
+// Widens default spacings to the need of the grooves; removes a second one that is no longer closer.
 void widen_spacings(double outer_mm, const MachineProfile& machine, double tool_width_um,
                     std::vector<CouponCell>& cells) {
   constexpr double kStep = 1.05, kMost_mm = 1.5, kCloserBy = 0.9;

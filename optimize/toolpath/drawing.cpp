@@ -10,7 +10,7 @@
 namespace burin {
 namespace {
 
-// A layer's color, as SVG writes it and as DXF numbers it; they come again after the last one.
+// A layer's color for SVG, and its number for DXF; colors repeat after the last one.
 struct LayerColor {
   const char* svg;
   int dxf;
@@ -53,7 +53,7 @@ std::string svg(const Toolpath& path, const Eigen::Vector2d& board_size_mm, int 
       "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg xmlns=\"http://www.w3.org/2000/svg\" "
       "xmlns:inkscape=\"http://www.inkscape.org/namespaces/inkscape\" version=\"1.1\" width=\"" +
       width + "mm\" height=\"" + height + "mm\" viewBox=\"0 0 " + width + " " + height + "\">\n";
-  const double h = board_size_mm.y();  // SVG's y runs down
+  const double h = board_size_mm.y();  // SVG's y points down
   const DrawingLayers layers = drawing_layers(path);
   const auto place = [&](const Eigen::Vector2d& p) {
     return fixed(p.x(), decimals) + " " + fixed(h - p.y(), decimals);

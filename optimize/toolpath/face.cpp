@@ -25,8 +25,8 @@ void add_bends(const Face& face, const Eigen::Vector2d& a, const Eigen::Vector2d
   add_bends(face, a, b, middle, to, tolerance_mm, halvings - 1, out);
 }
 
-// Where a way from a to b crosses the inner lines of a map's grid, as fractions of it; between two of them the face's
-// height along the way is a quadratic. 0 and 1 are the first and the last.
+// Crossings of a way from a to b with the inner lines of a map's grid, as fractions of it, with 0 first and 1 last.
+// Between two of them the face's height along the way is a quadratic.
 std::vector<double> grid_crossings(const Face& face, const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
   std::vector<double> cuts{0};
   if (face.map) {
@@ -73,7 +73,7 @@ HeightRange height_above(const Face& face, const Eigen::Vector3d& from_mm, const
   for (std::size_t k = 0; k + 1 < cuts.size(); ++k) {
     const double first = above(cuts[k]), middle = above((cuts[k] + cuts[k + 1]) / 2), last = above(cuts[k + 1]);
     look(last);
-    // Through three places of a quadratic: a s^2 + b s + first, s from 0 to 1.
+    // The quadratic through three values: a s^2 + b s + first, s from 0 to 1.
     const double a = 2 * (first - 2 * middle + last), b = last - first - a;
     if (const double turn = -b / (2 * a); a != 0 && turn > 0 && turn < 1) look(first + b * turn / 2);
   }
@@ -85,7 +85,7 @@ double highest_mm(const Face& face) {
   if (face.map) {
     for (const double z : face.map->z_mm) highest = std::max(highest, z);
   } else if (face.bow) {
-    // Its terms are largest at the sheet's edge; their sum is no less than the face anywhere.
+    // Its terms are largest at the sheet's edge; their sum is an upper bound of the face.
     const Eigen::Vector2d q = face.carves * face.zero_mm.homogeneous();
     const double zero_mm = height_mm(*face.bow, q.x(), q.y());
     const Eigen::Vector3d& bow = face.bow->bow_mm;

@@ -19,29 +19,29 @@
 namespace burin {
 namespace {
 
-/// What a file's head may tell of it.
+/// Data of a whole file for its head.
 struct WholeFile {
   const Replay& replay;   ///< of its commands
   std::size_t lines = 0;  ///< all of them
   GcodeHead head;
 };
 
-/// What a block's placeholders stand for. Those of one scratch are null outside of `per_scratch`, those of the whole
-/// file outside of `head`.
+/// Values of a block's placeholders. Those of one scratch are null outside of `per_scratch`, those of the whole file
+/// outside of `head`.
 struct BlockValues {
   const MachineProfile& machine;
   const PlannedScratch* scratch = nullptr;
   const WholeFile* file = nullptr;
   std::size_t number = 0;
-  const Face* face = nullptr;  ///< that depths follow
+  const Face* face = nullptr;  ///< reference of depths
   double z_safe_mm = 0;        ///< Z of travel before and after these lines
-  double until = 1;            ///< how far along the scratch this line goes
+  double until = 1;            ///< end of this line, as a share of the scratch
 
   BlockValues(const MachineProfile& profile, const Toolpath& path)
       : machine(profile), face(&path.face), z_safe_mm(path.first_z_mm) {}
 };
 
-/// A feed, a force or a servo's position: no more decimals than a controller keeps.
+/// A feed, a force or a servo's position, with at most a controller's decimals.
 std::string plain(double value) {
   std::string text = fixed(value, 6);
   text.erase(text.find_last_not_of('0') + 1);
@@ -57,7 +57,7 @@ double carving_z(const BlockValues& values, double t) {
   return height_mm(*values.face, along(s, t)) - plunge_mm(values.machine, s.depth_mm);
 }
 
-/// Where a scratch bends to follow the face: its depth then stays well within what the replay allows.
+/// Bends of a scratch that follows the face; its depth then is well within the replay's tolerance.
 std::vector<double> bends(const Face& face, const PlannedScratch& s) {
   return bends(face, s.from_mm, s.to_mm, kFollowShare / 4 * s.depth_mm);
 }
@@ -78,7 +78,7 @@ std::string of_whole_file(const std::string& name, const WholeFile& file, int de
   return "";
 }
 
-/// The text of one placeholder; nothing for the dwell of a machine that needs none (its line is then left out).
+/// The text of one placeholder; nothing for the dwell of a machine without one (its line is then left out).
 std::optional<std::string> placeholder(const std::string& name, const BlockValues& values) {
   const MachineProfile& m = values.machine;
   const PlannedScratch* s = values.scratch;
@@ -116,7 +116,7 @@ std::optional<std::string> placeholder(const std::string& name, const BlockValue
        "min_y, max_y, min_z, max_z");
 }
 
-/// Appends a line, unless it asks for a dwell that there is none of.
+/// Appends a line, unless it needs a dwell and the machine has none.
 void append_line(std::string& text, const std::string& line, const BlockValues& values) {
   const std::size_t line_start = text.size();
   for (std::size_t i = 0; i < line.size();) {
@@ -141,18 +141,19 @@ void append_block(std::string& text, const std::vector<std::string>& block, cons
   for (const std::string& line : block) append_line(text, line, values);
 }
 
-/// Whether a line of the block takes the tool along the scratch.
+/// True if a line of the block moves the tool along the scratch.
 bool goes_along(const std::string& line) {
   return line.find("{x1}") != std::string::npos || line.find("{y1}") != std::string::npos;
 }
 
-/// Z of travel before and after a scratch: both, since blocks lift first or last. A part begins and ends above all.
+/// Z of travel before and after a scratch, the same for both, since blocks lift first or last. A part begins and ends
+/// above all obstacles.
 double travel_z(const Toolpath& path, const GcodePart& part, std::size_t i) {
   if (i == part.first || i + 1 == part.first + part.count) return path.first_z_mm;
   return std::max(path.scratches[i].travel_z_mm, path.scratches[i + 1].travel_z_mm);
 }
 
-/// Appends a scratch. Where the face is followed, the line along it says Z as well, and comes once for each bend.
+/// Appends a scratch. On a followed face, the line along it also has Z, and is repeated for each bend.
 void append_scratch(std::string& text, const MachineProfile& machine, const Toolpath& path, const GcodePart& part,
                     std::size_t i) {
   BlockValues values(machine, path);
@@ -178,13 +179,13 @@ void append_scratch(std::string& text, const MachineProfile& machine, const Tool
   }
 }
 
-/// Whether the profile's start lifts to {z_safe}: its files then know how high their first way lies.
+/// True if the profile's start lifts to {z_safe}: its files then contain the height of their first way.
 bool starts_lifted(const MachineProfile& machine) {
   return std::any_of(machine.start.begin(), machine.start.end(),
                      [](const std::string& line) { return line.find("{z_safe}") != std::string::npos; });
 }
 
-/// Ways in the air that no block of a profile makes. Marlin goes with the last feed unless told.
+/// Appends a way in the air outside of the profile's blocks. Marlin uses the last feed unless the line sets one.
 void append_way(std::string& text, const MachineProfile& machine, const Eigen::Vector2d& to) {
   text += "G0 X" + fixed(to.x(), machine.decimals) + " Y" + fixed(to.y(), machine.decimals) +
           (machine.dialect == GcodeDialect::marlin ? " F" + plain(machine.rapid_mm_min) : "") + "\n";
@@ -194,7 +195,7 @@ void append_z(std::string& text, const MachineProfile& machine, double z_mm) {
           (machine.dialect == GcodeDialect::marlin ? " F" + plain(machine.rapid_z_mm_min) : "") + "\n";
 }
 
-/// Whether Z stays while scratches are carved, and comes down from a way that lies higher over the scratch after it.
+/// True if Z is constant while scratches are carved, and descends from higher travel over the next scratch.
 bool is_approached(const MachineProfile& machine) { return keeps_z(machine) && starts_lifted(machine); }
 
 constexpr std::size_t kApproachLines = 2, kLiftedLines = 1 + kApproachLines;
@@ -205,17 +206,17 @@ void append_approach(std::string& text, const MachineProfile& machine, const Too
   append_z(text, machine, path.kept_z_mm);
 }
 
-/// Whether Z has to leave its height for the way to a scratch: a clamp stands there.
+/// True if Z must leave its height on the way to a scratch, over a clamp.
 bool is_lifted(const MachineProfile& machine, const Toolpath& path, std::size_t i) {
   return is_approached(machine) && path.scratches[i].travel_z_mm > path.kept_z_mm;
 }
 
-/// A comment of ours, in lines that the machine reads. Words from outside come into it by comment_word() alone.
+/// A comment of Burin's, in lines that the machine accepts. External words enter it by comment_word() alone.
 void append_comment(std::string& text, const MachineProfile& machine, const std::string& comment) {
   text += comment_lines(machine, comment);
 }
 
-/// What a person at the machine has to know of its depths.
+/// Notes about depths for the machine's operator.
 void append_notes(std::string& text, const MachineProfile& machine, const Toolpath& path) {
   if (starts_lifted(machine))
     append_comment(text, machine,
@@ -239,7 +240,7 @@ std::string lifting_line(const MachineProfile& machine) {
   return "M3 S{servo_up}";
 }
 
-/// What no profile's blocks can leave out: what this file needs before anything moves, whatever was before it.
+/// Commands before any motion that no profile's blocks can omit, for any state of the machine.
 std::vector<std::string> own_start(const MachineProfile& machine) {
   const bool marlin = machine.dialect == GcodeDialect::marlin;
   std::vector<std::string> lines;
@@ -247,12 +248,12 @@ std::vector<std::string> own_start(const MachineProfile& machine) {
   if (machine.depth_by == DepthBy::servo)
     lines = {lifting_line(machine), marlin ? "G4 P{dwell_ms}" : "G4 P{dwell_s}"};
   else if (marlin)
-    lines.emplace_back("M211 S0");  // else its software endstops stop Z at zero without a word
-  if (machine.dialect == GcodeDialect::linuxcnc) lines.emplace_back("G61");  // through the ends, not round them
+    lines.emplace_back("M211 S0");  // else its software endstops stop Z at zero without a message
+  if (machine.dialect == GcodeDialect::linuxcnc) lines.emplace_back("G61");  // exact path, no rounded corners
   return lines;
 }
 
-/// And when all is carved, before the profile's own end.
+/// Commands after all carving, before the profile's own end.
 std::vector<std::string> own_end(const MachineProfile& machine) {
   const bool marlin = machine.dialect == GcodeDialect::marlin;
   std::vector<std::string> lines;
@@ -282,7 +283,7 @@ std::size_t count_lines(const std::string& text) {
   return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
 }
 
-/// The whole file: the profile's head, then what `rest` is.
+/// The whole file: the profile's head, then `rest`.
 std::string with_head(const std::string& rest, const Replay& replay, const GcodeHead& head,
                       const MachineProfile& machine, const Toolpath& path) {
   const WholeFile file{replay, count_lines(rest) + machine.head.size(), head};
@@ -293,7 +294,7 @@ std::string with_head(const std::string& rest, const Replay& replay, const Gcode
   return text + rest;
 }
 
-/// A file's comments, then its commands. LinuxCNC's % begins a file on its first line alone.
+/// A file's comments, then its commands. LinuxCNC's % must be on the first line.
 std::string after_comments(const std::string& comments, const std::string& commands) {
   const std::size_t begin = commands.starts_with("%\n") ? 2 : 0;
   return commands.substr(0, begin) + comments + commands.substr(begin);
@@ -317,7 +318,7 @@ std::string comments(const Toolpath& path, const MachineProfile& machine, const 
 std::vector<std::pair<std::size_t, std::size_t>> split(const Toolpath& path, const MachineProfile& machine,
                                                        double part_s) {
   constexpr std::size_t kMostParts = 999;
-  // Comments at their longest: every number as large as it can be.
+  // Comments at their longest: every number has its most digits.
   const std::size_t all = path.scratches.size();
   constexpr double kLongest_s = 3599999;
   const std::size_t fixed_lines = machine.head.size() + own_start(machine).size() + machine.start.size() +
@@ -382,7 +383,7 @@ std::vector<GcodePart> gcode_parts(const Toolpath& path, const MachineProfile& m
     part.duration_s = replay.duration_s;
     fail_unless_carves(replay, path, part, machine, name);
 
-    // What is written is read back and replayed whole (replay_written).
+    // The written file is read back and replayed whole (replay_written).
     const GcodeHead head{k + 1, parts.size(), part.first + 1, part.first + part.count, path.scratches.size()};
     part.text =
         with_head(after_comments(comments(path, machine, head, part.duration_s), body), replay, head, machine, path);

@@ -13,24 +13,24 @@
 
 namespace burin {
 
-/// One file of G-code: it sets up units and modes and lifts the tool before it moves, so that carving may begin with
-/// any part. The profile's `head` comes first, then comments, then Burin's own lines and the profile's blocks.
+/// One file of G-code. It sets units and modes and lifts the tool before it moves, so carving may begin with any part.
+/// The profile's `head` comes first, then comments, then Burin's own lines and the profile's blocks.
 struct GcodePart {
   std::string text;
-  std::size_t first = 0, count = 0;  ///< which of Toolpath::scratches it carves
-  double duration_s = 0;             ///< by replaying it (burin/optimize/toolpath/toolpath_check.h)
+  std::size_t first = 0, count = 0;  ///< range of Toolpath::scratches
+  double duration_s = 0;             ///< from its replay (burin/optimize/toolpath/toolpath_check.h)
 };
 
-/// Files of at most about part_s each (0: as few as the profile's max_lines allows), each replayed and found to carve
-/// its scratches once. Throws Error for a block of the profile with a placeholder that nobody knows, and for max_lines
-/// that leave no room for a scratch.
+/// Files of at most about part_s each (0: as few as the profile's max_lines allows). The replay of each carves its
+/// scratches once. Throws Error for an unknown placeholder in a block of the profile, and for max_lines without room
+/// for a scratch.
 std::vector<GcodePart> gcode_parts(const Toolpath& path, const MachineProfile& machine, double part_s = 0);
 
-/// A file's text, read back from the disk. Throws Error, calling it `name`, where that is not `text`, byte by byte.
+/// Reads a file's text back from the disk. Throws Error with `name` unless it equals `text` byte by byte.
 std::string read_back(const std::filesystem::path& written, std::string_view text, const std::string& name);
 
-/// Reads a file back from the disk, byte by byte, and replays it whole, comments and all. Throws Error where it is not
-/// `text`, where the replay cannot follow it, or where it has no end; `name` is what errors call it.
+/// Reads a file back from the disk byte by byte and replays it whole, comments included. Throws Error if it differs
+/// from `text`, if the replay cannot follow it, or if it has no end; `name` is its name in errors.
 Replay replay_written(const std::filesystem::path& written, std::string_view text, const Toolpath& path,
                       const MachineProfile& machine, const std::string& name);
 
@@ -38,7 +38,7 @@ Replay replay_written(const std::filesystem::path& written, std::string_view tex
 void fail_unless_carves(const Replay& replay, const Toolpath& path, const GcodePart& part,
                         const MachineProfile& machine, const std::string& name);
 
-/// A way round all scratches at safe height, at the carving feed.
+/// A path around all scratches at safe height, at the carving feed.
 std::string frame_gcode(const Toolpath& path, const MachineProfile& machine);
 
 }  // namespace burin

@@ -13,10 +13,10 @@
 namespace burin {
 namespace {
 
-// More digits than any coordinate has: some controllers lose count.
+// More digits than any coordinate has; beyond this, some controllers misread a number.
 constexpr std::size_t kMostDigits = 15;
 constexpr std::size_t kMostDigitsBeforePoint = 7;
-constexpr std::size_t kGrblDigits = 8;  // grbl's read_float() drops what comes behind them
+constexpr std::size_t kGrblDigits = 8;  // grbl's read_float() drops digits behind them
 
 constexpr double kMostLineNumber = 9999999;  // grbl's
 
@@ -53,7 +53,7 @@ std::string code_text(char letter, int tenths) {
   return letter + std::to_string(tenths / 10) + (tenths % 10 == 0 ? "" : "." + std::to_string(tenths % 10));
 }
 
-// Text of a comment in which nothing is a word of G-code, a message to a program that sends, or a sign that one obeys.
+// Text of a comment without words of G-code, messages to a sender program, or real-time characters.
 std::string without_code(std::string_view text) {
   const auto letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); };
   const auto digit = [](char c) { return c >= '0' && c <= '9'; };
@@ -135,7 +135,7 @@ class Reader {
 
   void comment(std::string_view text) const {
     if (dialect_ != GcodeDialect::linuxcnc) return;
-    std::string words;  // LinuxCNC reads over blanks wherever they stand
+    std::string words;  // LinuxCNC ignores blanks everywhere
     std::copy_if(text.begin(), text.end(), std::back_inserter(words), [](char c) { return c != ' ' && c != '\t'; });
     for (const char* active : {"LOG", "PROBEOPEN", "PROBECLOSE", "PY,", "ABORT"})
       if (same_letters(words, active))
@@ -152,7 +152,7 @@ class Reader {
     i_ = end + 1;
   }
 
-  // "%" and "$H" hold a line of their own.
+  // "%" and "$H" need a line of their own.
   void alone(char c) {
     std::string_view rest = text_;
     while (!rest.empty() && (rest.back() == ' ' || rest.back() == '\t')) rest.remove_suffix(1);
@@ -186,7 +186,7 @@ class Reader {
     if (digits == 0) error(std::string("no number after ") + letter, "correct the line");
     if (digits > kMostDigits || before_point > kMostDigitsBeforePoint)
       error(std::string("the number after ") + letter + " has more digits than controllers read", "round it");
-    // A point may follow the last digit that is kept, and changes nothing.
+    // A point may follow the last kept digit; it has no effect.
     const std::size_t end = dialect_ == GcodeDialect::grbl && digits > kGrblDigits ? keep : i_;
     std::size_t from = begin;
     if (text_[from] == '+') ++from;
@@ -232,7 +232,7 @@ class Reader {
     }
   }
 
-  // Its modal group; -1 for a code that this controller does not know.
+  // Modal group of a code; -1 for a code unknown to this controller.
   int group_of(char letter, int code) const {
     const bool is_g = letter == 'G';
     if (dialect_ == GcodeDialect::marlin) {
@@ -305,9 +305,9 @@ class Reader {
     }
   }
 
-  // Words that some code of the line asks for; others would be an error on the machine, or something unforeseen.
+  // Accepts words that some code of the line needs; others would be an error or unpredictable on the machine.
   void check_words() const {
-    // A machine's own codes, and firmware settings, have words that are theirs.
+    // A machine's own codes, and firmware settings, define their words themselves.
     const bool settings = std::any_of(line_.m.begin(), line_.m.end(), [&](int m) { return m >= 2010 && m <= 2050; }) ||
                           std::any_of(line_.m.begin(), line_.m.end(), [&](int m) { return group_of('M', m) < 0; });
     const bool output = line_.has_m(670) || line_.has_m(680),
@@ -427,7 +427,7 @@ std::string comment_lines(const MachineProfile& machine, std::string_view text) 
       line = "-";
       continue;
     }
-    end = std::min(end, begin + room - taken);  // a word that is longer than a line
+    end = std::min(end, begin + room - taken);  // a word longer than a line
     line += (line.empty() ? "" : " ") + safe.substr(begin, end - begin);
     at = end;
   }
@@ -441,7 +441,7 @@ std::string head_text(const GcodeHead& head) {
 }
 
 std::optional<GcodeHead> read_gcode_head(std::string_view text) {
-  constexpr std::size_t kMostLines = 300;  // a profile's own head stands before it
+  constexpr std::size_t kMostLines = 300;  // a profile's own head precedes it
   std::string comments;
   for (std::size_t line = 0; line < kMostLines && !text.empty(); ++line) {
     std::string_view words = text.substr(0, text.find('\n'));
@@ -450,7 +450,7 @@ std::optional<GcodeHead> read_gcode_head(std::string_view text) {
     words.remove_prefix(std::min(words.find_first_not_of("(; "), words.size()));
     words = words.substr(0, words.find_last_not_of(")\r ") + 1);
     if (words.starts_with("- "))
-      comments.append(words.substr(1));  // it goes on
+      comments.append(words.substr(1));  // continuation
     else
       comments.append("\n").append(words);
   }

@@ -32,7 +32,7 @@ std::array<Eigen::Vector2d, 4> corners(const Groove& g) {
   return {g.a_mm - n, g.b_mm - n, g.b_mm + n, g.a_mm + n};  // counter-clockwise
 }
 
-// Whether p lies in a convex counter-clockwise polygon or, by no more than rounding, on its edge.
+// True if p lies in a convex counter-clockwise polygon or, up to rounding, on its edge.
 bool holds(const std::vector<Eigen::Vector2d>& polygon, const Eigen::Vector2d& p) {
   constexpr double kRounding_mm = 1e-9;
   for (std::size_t i = 0; i < polygon.size(); ++i) {
@@ -65,7 +65,7 @@ double line_distance_mm(const Groove& a, const Groove& b) {
 std::vector<Eigen::Vector2d> common_part(const Groove& a, const Groove& b) {
   const auto corners_a = corners(a), corners_b = corners(b);
   std::vector<Eigen::Vector2d> polygon(corners_a.begin(), corners_a.end()), cut;
-  // Cut off what lies outside of each of b's edges (Sutherland and Hodgman 1974).
+  // Clips at each of b's edges (Sutherland and Hodgman 1974).
   for (std::size_t e = 0; e < 4 && !polygon.empty(); ++e) {
     const Eigen::Vector2d &from = corners_b[e], &to = corners_b[(e + 1) % 4];
     cut.clear();

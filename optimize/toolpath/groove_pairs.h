@@ -1,8 +1,7 @@
-// burin/optimize/toolpath/groove_pairs.h - what grooves do to one another: how near they run, how much of each another
-// one cuts away, and how many lie over one place. Frame: any plane, mm.
+// burin/optimize/toolpath/groove_pairs.h - geometry of groove pairs: distance, overlap, and the number of grooves at
+// one place. Frame: any plane, mm.
 //
-// A groove is the rectangle that it takes from the face: its scratch, widened by the half-width w
-// (burin/scene/groove.h) to both sides.
+// A groove is a rectangle of the face: its scratch, widened by the half-width w (burin/scene/groove.h) to both sides.
 #pragma once
 
 #include <Eigen/Core>
@@ -20,22 +19,21 @@ struct Groove {
   double area_mm2() const { return (b_mm - a_mm).norm() * 2 * half_width_mm; }
 };
 
-/// Whether the two lines from end to end meet.
+/// True if the two lines from end to end meet.
 bool lines_cross(const Groove& a, const Groove& b);
 
-/// Between the two lines from end to end; 0 where they cross.
+/// Distance between the two lines from end to end; 0 if they cross.
 double line_distance_mm(const Groove& a, const Groove& b);
 
-/// Corners of the part of the face that both take, counter-clockwise; empty if there is none. Exact.
+/// Corners of the common part of both grooves, counter-clockwise; empty if there is none. Exact.
 std::vector<Eigen::Vector2d> common_part(const Groove& a, const Groove& b);
 double area_mm2(const std::vector<Eigen::Vector2d>& polygon);
 
-/// The largest number of these convex parts that share a place. Stops counting beyond `enough`. Parts that touch at
-/// their edges share those. Exact: a place that most parts share has, for one of its corners, a corner of a part or a
-/// crossing of two parts' edges.
+/// The largest number of these convex parts at one place. Counting stops beyond `enough`. Touching parts share their
+/// edges. Exact: one corner of the most covered place is a corner of a part or a crossing of two parts' edges.
 int most_at_a_place(const std::vector<std::vector<Eigen::Vector2d>>& parts, int enough);
 
-/// Finds the grooves that come within a reach of another: squares of the plane that know which lines pass through.
+/// Finds grooves within a distance of another, by a grid of squares with the lines through each.
 class GrooveIndex {
  public:
   /// Squares of this side over the rectangle; grooves beyond its edge belong to the squares along it.
@@ -43,10 +41,10 @@ class GrooveIndex {
 
   void insert(std::uint32_t name, const Groove& groove);
 
-  /// At most so many names come from near(), those that come several times counted.
+  /// Upper bound of the number of names from near(), with multiples counted.
   std::size_t near_at_most(const Groove& groove, double reach_mm) const;
 
-  /// Names of all inserted grooves whose lines come within `reach_mm` of this one's line (and of some others near),
+  /// Names of all inserted grooves whose lines are within `reach_mm` of this one's line (and of some others nearby),
   /// ascending, each once.
   std::vector<std::uint32_t> near(const Groove& groove, double reach_mm) const;
 

@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kLeastOutlier_mm = 0.03, kMostOutlier_mm = 0.15;  // chips and dust; a sheet's own waves are smooth
 constexpr double kOnGrid_mm = 0.05;
-constexpr double kZero_mm = 0.005;  // what rounding leaves of a height that is 0
+constexpr double kZero_mm = 0.005;  // rounding error of a height of 0
 
 std::string place_text(const Eigen::Vector2d& p) { return "X" + fixed(p.x(), 2) + " Y" + fixed(p.y(), 2); }
 std::string um_text(double mm) { return fixed(1e3 * mm, 1) + " um"; }
@@ -38,7 +38,7 @@ Json rows_of(const HeightMap& map) {
     Json row = Json::array();
     for (int c = 0; c < map.columns; ++c) {
       const std::size_t i = static_cast<std::size_t>(r) * map.columns + c;
-      // To a tenth of a micrometer: no controller says more.
+      // To a tenth of a micrometer: no controller is finer.
       row.push_back(map.probed[i] ? Json(std::round(map.z_mm[i] * 1e4) / 1e4) : Json(nullptr));
     }
     rows.push_back(row);
@@ -100,7 +100,7 @@ double range_mm(const HeightMap& map) {
 
 std::vector<double> smooth_heights(const HeightMap& map) {
   const auto probed = std::count(map.probed.begin(), map.probed.end(), true);
-  // A curved surface needs three points along each side, and some to spare.
+  // A curved surface needs three points along each side, and some more.
   const int terms = map.columns >= 3 && map.rows >= 3 && probed >= 8 ? 6 : 3;
   Eigen::MatrixXd A(probed, terms);
   Eigen::VectorXd b(probed);
@@ -153,7 +153,7 @@ void fail_unless_plausible(const HeightMap& map, const std::string& name) {
                (map.z_mm[i] > smooth[i] ? " above" : " below") + " the smooth face round it (more than " +
                um_text(limit_mm) + ")",
            "look for a chip or dust there, clean the sheet and the tool, and probe again");
-  // A step between neighbors: two sheets, a contact that slipped. What the plane tells of it is taken away first.
+  // A step between neighbors shows two sheets or a contact that slipped. The plane's part is subtracted first.
   for (std::size_t i = 0; i < map.z_mm.size(); ++i)
     for (const std::size_t next : {i + 1, i + map.columns}) {
       const bool along = next == i + 1;

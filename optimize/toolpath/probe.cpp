@@ -15,11 +15,11 @@
 namespace burin {
 namespace {
 
-constexpr double kSearch_mm = 2;        // how far below zero the face is looked for
-constexpr double kStop_mm = 5e-4;       // way that stopping may take
+constexpr double kSearch_mm = 2;        // depth of the search for the face below zero
+constexpr double kStop_mm = 5e-4;       // stopping distance
 constexpr double kTravel_mm = 2;        // above the first point, at least: the sheet may tilt
 constexpr double kClear_mm = 1.5;       // of tags and keep-outs
-constexpr double kSamePlace_mm = 0.05;  // between a probed point and where it should be
+constexpr double kSamePlace_mm = 0.05;  // between a probed point and its planned place
 constexpr double kDrift_mm = 0.005, kMostDrift_mm = 0.025;
 
 struct Point {
@@ -77,7 +77,7 @@ std::vector<Point> grbl_points(std::string_view log, const std::string& name) {
   return points;
 }
 
-// What PROBEOPEN wrote: X Y Z and six further axes a line.
+// Output of PROBEOPEN: X Y Z and six further axes per line.
 std::vector<Point> linuxcnc_points(std::string_view log, const std::string& name) {
   std::vector<Point> points;
   each_line(log, [&](std::string_view line, std::size_t number) {
@@ -92,7 +92,7 @@ std::vector<Point> linuxcnc_points(std::string_view log, const std::string& name
   return points;
 }
 
-// Where the probing file touches the face. `logged`: only what LinuxCNC logs.
+// Places where the probing file touches the face. `logged`: only those in LinuxCNC's log.
 std::vector<Eigen::Vector2d> probed_places(std::string_view gcode, const std::string& name, bool logged) {
   std::vector<Eigen::Vector2d> places;
   Eigen::Vector2d at(NAN, NAN);
@@ -112,7 +112,7 @@ std::vector<Eigen::Vector2d> probed_places(std::string_view gcode, const std::st
   return places;
 }
 
-// The last `places.size()` points of the log, in work coordinates up to a constant, which is taken away from x and y.
+// The last `places.size()` points of the log, in work coordinates up to a constant, which is subtracted from x and y.
 std::vector<Point> last_run(const std::vector<Point>& all, const std::vector<Eigen::Vector2d>& places,
                             const std::string& name) {
   for (const Point& p : all)
@@ -142,7 +142,7 @@ std::vector<Point> last_run(const std::vector<Point>& all, const std::vector<Eig
   return run;
 }
 
-// The different values among coordinates, rising, one for each column or row.
+// The distinct values among coordinates, ascending, one for each column or row.
 std::vector<double> lines_of(std::vector<double> values) {
   std::sort(values.begin(), values.end());
   std::vector<double> out;
@@ -151,7 +151,7 @@ std::vector<double> lines_of(std::vector<double> values) {
   return out;
 }
 
-// The grid's points; `run` without what was touched before zero was set, the last one being the first again.
+// The grid's points. `run` excludes touches before zero was set; its last point repeats the first.
 HeightMap map_of(const std::vector<Point>& run, const std::string& name) {
   std::vector<double> x, y;
   for (const Point& p : run) x.push_back(p.p.x()), y.push_back(p.p.y());
@@ -242,7 +242,7 @@ std::string probe_gcode(const ProbePlan& plan, const MachineProfile& machine) {
     text += comment_lines(machine, comment);
   if (machine.laser) text += "M5 S0\n";
   text += "G21 G90 G17 G94 G54\n" + lift(first_mm) + go(plan.points_mm.front());
-  // Quickly to find the face, then slowly for its height.
+  // A fast touch finds the face, then a slow one measures its height.
   text += "G38.2 Z" + z(-kSearch_mm) + " F" + fixed(kTouchFeed_mm_min, 0) + "\nG10 L20 P1 Z0\nG0 Z" + z(0.3) + "\n" +
           touch + "G10 L20 P1 Z0\n" + lift(lift_mm);
   const bool logs = machine.dialect == GcodeDialect::linuxcnc;
@@ -265,7 +265,7 @@ ProbedHeights read_probe_log(std::string_view log, const std::filesystem::path& 
   const std::vector<Point> all = grbl ? grbl_points(log, name) : linuxcnc_points(log, name);
   if (all.empty()) fail(name, "holds no probed point", "give the log that was kept while the probing file ran");
   std::vector<Point> run = last_run(all, probed_places(gcode, probe_file.string(), !grbl), name);
-  // What was touched before zero was set: twice the first point.
+  // Touches before zero was set: twice the first point.
   if (grbl) run.erase(run.begin(), run.begin() + 2);
   ProbedHeights out;
   out.map = map_of(run, name);

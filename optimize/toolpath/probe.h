@@ -1,9 +1,9 @@
-// burin/optimize/toolpath/probe.h - the face probed by the machine that will carve it: the G-code that touches it on a
-// grid (G38.2), and what the controller said of it as a height map.
+// burin/optimize/toolpath/probe.h - probing of the face by the machine that will carve it: G-code with touches on a
+// grid (G38.2), and the controller's log as a height map.
 //
 // The file touches the face at the first point of the grid, sets Z zero there (G10 L20 P1), touches every point of the
-// grid and at last the first one again. It goes so slowly that stopping takes less than half a micrometer.
-// Frame: the machine's (burin/optimize/machine_profile.h), mm.
+// grid, and finally the first one again. At its feed, stopping takes less than half a micrometer. Frame: the machine's
+// (burin/optimize/machine_profile.h), mm.
 #pragma once
 
 #include <Eigen/Core>
@@ -21,35 +21,35 @@
 
 namespace burin {
 
-/// Points of the carve area that are clear of tags and keep-outs, on a regular grid; in the order to be probed, from
-/// side to side. The last one is the first again.
+/// Points of the carve area clear of tags and keep-outs, on a regular grid, in probing order from side to side. The
+/// last one repeats the first.
 struct ProbePlan {
   std::vector<Eigen::Vector2d> points_mm;
-  Workpiece workpiece;  ///< that is probed
+  Workpiece workpiece;  ///< sheet to be probed
 };
 
-/// A grid over the carve area with about this distance between its points. Throws Error where fewer than four points
-/// are free.
+/// A grid over the carve area with about this distance between its points. Throws Error with fewer than four free
+/// points.
 ProbePlan probe_plan(const Board& board, double spacing_mm);
 
-/// The fastest that the face is touched, mm/min.
+/// Largest feed of a touch, mm/min.
 inline constexpr double kTouchFeed_mm_min = 60;
 
-/// The file for the machine. Throws Error for machines that cannot say heights finely enough (Marlin), and for those
-/// whose depth does not come from Z (servos).
+/// The file for the machine. Throws Error for machines without a fine enough log of heights (Marlin), and for servos,
+/// whose depth does not come from Z.
 std::string probe_gcode(const ProbePlan& plan, const MachineProfile& machine);
 
-/// A height map, and what a person should know of it.
+/// A height map, and its findings for a person.
 struct ProbedHeights {
   HeightMap map;
   std::vector<Finding> findings;
 };
 
-/// Reads what the controller logged while it ran `probe_file` (whose text is `gcode`): grbl's serial log, of which the
-/// [PRB:x,y,z:1] lines count (its machine coordinates, mm), or the file that LinuxCNC's PROBEOPEN wrote (work
-/// coordinates). What stands in the log before the last complete run is passed over. Throws Error, saying where, for a
-/// log that is no such thing, holds too few points or failed ones, was taken at other places or in inches, for a tilt
-/// or an outlier that no sheet has, and for a zero that moved.
+/// Reads the controller's log of `probe_file` (whose text is `gcode`). In grbl's serial log the [PRB:x,y,z:1] lines
+/// count (machine coordinates, mm); the other kind is the file of LinuxCNC's PROBEOPEN (work coordinates). Lines before
+/// the last complete run are skipped. Throws Error with the line for a log of another kind, with too few points or
+/// failed ones, at other places or in inches. Also throws for an implausible tilt or outlier, and for a zero that
+/// moved.
 ProbedHeights read_probe_log(std::string_view log, const std::filesystem::path& log_file, std::string_view gcode,
                              const std::filesystem::path& probe_file);
 

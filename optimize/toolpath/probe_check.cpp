@@ -15,7 +15,7 @@
 namespace burin {
 namespace {
 
-// "G38.2 Z-2.000 F60": how far down, if the line is a probing move; read_gcode_line() knows none.
+// Depth of a probing move such as "G38.2 Z-2.000 F60", which read_gcode_line() does not know; nothing for other lines.
 std::optional<double> probing_depth(std::string_view line) {
   constexpr std::string_view kBegin = "G38.2 Z";
   if (!line.starts_with(kBegin)) return std::nullopt;
@@ -49,7 +49,7 @@ class ProbingMachine {
       move(read_gcode_line(line, machine_, name_, number_));
   }
 
-  // The places touched, in their order; those before Z zero was set for good are the first ones.
+  // Touched places in their order; the first ones precede the final Z zero.
   const std::vector<Eigen::Vector2d>& touched_mm() const { return touched_mm_; }
   std::size_t zeros() const { return zeros_; }
   bool ended() const { return ended_; }
@@ -79,7 +79,7 @@ class ProbingMachine {
   }
 
   void move(const GcodeLine& line) {
-    // What the file is made of; everything else could move the tool, or what its words mean.
+    // All permitted codes; any other could move the tool or change the meaning of words.
     constexpr std::array kG{0, 170, 210, 540, 900, 940};
     constexpr std::array kM{20, 50};
     const auto all_among = [](const std::vector<int>& codes, const auto& known) {

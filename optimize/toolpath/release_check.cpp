@@ -42,7 +42,7 @@ void ReleaseCheck::add(Kind kind, std::size_t line, const std::string& what, con
   if (fault.count++ == 0) fault.line = line, fault.what = what, fault.remedy = remedy;
 }
 
-// How high the tip is: a servo lifts it by safe_z_mm while Z stays, and a head without Z by as much.
+// Height of the tip: a servo lifts it by safe_z_mm at constant Z, and so does a head without Z.
 double ReleaseCheck::tip_mm(const Eigen::Vector3d& p) const {
   if (machine_.depth_by == DepthBy::servo) return std::fmax(p.z(), machine_.safe_z_mm);
   return presses_by_itself(machine_) && std::isnan(p.z()) ? machine_.safe_z_mm : p.z();
@@ -79,7 +79,7 @@ void ReleaseCheck::judge_depth(const ToolWay& way) {
         "scratches.csv are um, Z is mm");
 }
 
-// A way whose course the file does not tell: the first one, from wherever the tool stands, and ways home.
+// Judges a way with a course unknown to the file: the first one, from the tool's current position, and ways home.
 void ReleaseCheck::judge_unknown_course(const ToolWay& way) {
   const auto moves = [&](int axis) {
     const double from = way.from_mm[axis], to = way.to_mm[axis];
@@ -108,11 +108,11 @@ void ReleaseCheck::judge_course(const ToolWay& way) {
     return;
   }
   const bool along = from != to;
-  // Straight down beside tags and clamps is a scratch's beginning, and judge_depth()'s.
+  // A vertical move next to tags and clamps begins a scratch; judge_depth() checks it.
   const double needed_mm = height_needed_mm(workpiece_, from, to, along ? kBesideStanding_mm : 0),
                paper_mm = along ? workpiece_.paper_mm : 0;
   if (std::max(needed_mm, paper_mm) == 0) return;
-  // From an unknown height it comes down, or up, to a known one.
+  // From an unknown height the tool descends, or rises, to a known one.
   const double end_mm = tip_mm(way.to_mm), begin_mm = std::isnan(tip_mm(way.from_mm)) ? end_mm : tip_mm(way.from_mm);
   const double least_mm = height_above(face_, {from.x(), from.y(), begin_mm}, {to.x(), to.y(), end_mm}).least_mm;
   if (least_mm < std::max(needed_mm, paper_mm) - rounding_mm_)

@@ -1,15 +1,14 @@
-// burin/optimize/toolpath/release_check.h - whether G-code may be given to a machine: the one function that decides it.
+// burin/optimize/toolpath/release_check.h - the one function that decides if G-code may be given to a machine.
 //
-// Tool paths, frames, probing files, coupons and what is left of an interrupted file are given out by its leave alone,
-// and `burin check carve` and --replay ask it of files that are there already. It judges what the lines do, in places
-// and heights, not how a profile's blocks are written:
-//   sheet     X and Y lie on the sheet, or up to kBesideSheet_mm beside it
+// Tool paths, frames, probing files, coupons and remainders of interrupted files need its approval before they are
+// written. `burin check carve` and --replay apply it to existing files. It judges the effect of lines, in places and
+// heights, not the text of a profile's blocks:
+//   sheet     X and Y lie on the sheet, or up to kBesideSheet_mm outside of it
 //   reach     and within the machine's travel_mm, if the profile has one
 //   depth     Z goes no deeper below the face than the tip can cut or the machine's table presses, and never farther
-//   from
-//             zero than a clamped sheet tilts
-//   standing  ways in the air clear keep-outs and the tags' paper; in the metal none runs into one
-//   first way the first way along X and Y, and every way whose course the file does not tell, lies above all of it, and
+//             from zero than a clamped sheet tilts
+//   standing  ways in the air clear keep-outs and the tags' paper; ways in the metal do not meet any
+//   first way the first way along X and Y, and every way with an unknown course, is above all obstacles, and
 //             kFirstWay_mm above the face
 // Frame: the machine's (burin/optimize/machine_profile.h), mm.
 #pragma once
@@ -25,24 +24,24 @@
 
 namespace burin {
 
-/// By how far what is sent may lie beside the sheet: measured maps move places by some millimeters, and a tool crosses
-/// an edge no farther.
+/// Largest distance of commanded places from the sheet: measured maps move places by some millimeters, and a tool
+/// crosses an edge by no more.
 inline constexpr double kBesideSheet_mm = 5;
 
-/// Judges a file's ways one by one and keeps, for each kind of fault, the first and how many there are.
+/// Judges a file's ways one by one, and keeps the first fault of each kind and their number.
 class ReleaseCheck {
  public:
   /// All three must outlive it.
   ReleaseCheck(const Workpiece& workpiece, const MachineProfile& machine, const Face& face);
 
-  /// A move that may go anywhere but into the metal without `way.carves`.
+  /// Judges a move, which may enter the metal only with `way.carves`.
   void judge(const ToolWay& way);
-  /// A probing move, down to where it touches.
+  /// Judges a probing move, down to its touch.
   void judge_touch(const ToolWay& way);
-  /// What a whole file carves.
+  /// Judges the carving of a whole file.
   void judge(const Replay& replay);
 
-  /// Errors, one for each kind; `name` is what they call the file.
+  /// Errors, one per kind; `name` is the file's name in them.
   std::vector<Finding> findings(const std::string& name) const;
   /// Throws Error for the first of them in the file.
   void fail_unless_safe(const std::string& name) const;
@@ -68,24 +67,24 @@ class ReleaseCheck {
   Fault faults_[kKinds];
 };
 
-/// What a file does, and what speaks against giving it out.
+/// Effect of a file, and objections against its release.
 struct ReleasedFile {
   Replay replay;
   std::vector<Finding> faults;
 };
 
-/// Follows a whole file as its machine would. Throws Error for what cannot be followed (replay_gcode()).
+/// Follows a whole file as its machine would. Throws Error if it cannot be followed (replay_gcode()).
 ReleasedFile check_release(std::string_view gcode, const MachineProfile& machine, const Workpiece& workpiece,
                            const Face& face, const std::string& name);
 
-/// The same, and throws Error, naming the line, unless all of it may be given out.
+/// Follows a whole file, and throws Error, naming the line, unless all of it may be released.
 Replay fail_unless_released(std::string_view gcode, const MachineProfile& machine, const Workpiece& workpiece,
                             const Face& face, const std::string& name);
 
-/// A note for the time before there is G-code: a keep-out whose height nobody said. `board_file` is named.
+/// A note for the time before there is G-code: a keep-out without a height. `board_file` is named.
 std::vector<Finding> height_findings(const Board& board, const std::filesystem::path& board_file);
 
-/// Notes of what nobody checked: a machine whose reach is not known.
+/// Notes about missing data: a machine with unknown reach.
 std::vector<Finding> reach_findings(const MachineProfile& machine);
 
 }  // namespace burin

@@ -118,7 +118,7 @@ DepthRange depth_range(const Toolpath& path) {
 double depth_error_mm(const MachineProfile& machine, double depth_mm, double unevenness_mm) {
   if (machine.depth_by == DepthBy::servo) return 0;
   if (!by_preload(machine.depth_by)) return unevenness_mm;
-  // Set at the highest place, the tool is pressed less at the lowest.
+  // With zero at the highest place, the preload is smaller at the lowest.
   const double preload_mm = plunge_mm(machine, depth_mm) - unevenness_mm;
   return depth_mm - (preload_mm > 0 ? depth_of_plunge_mm(machine, preload_mm) : 0);
 }
@@ -146,7 +146,7 @@ std::vector<Finding> sheet_findings(const Toolpath& path, const Board& board, co
     add(findings, Finding::Severity::warning,
         "nobody measured what depth a preload makes on " + machine.name + ": its table is a guess",
         "carve a coupon on scrap (burin coupon write), or let photos of the first board measure the depth");
-  // A wire or a flat spring presses alike at every height.
+  // A wire or a flat spring presses equally at every height.
   if (machine.depth_by == DepthBy::servo) return findings;
   if (path.face.map) {
     add(findings, Finding::Severity::note,

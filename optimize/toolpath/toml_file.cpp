@@ -10,12 +10,12 @@ namespace {
 }  // namespace
 }  // namespace burin
 
-// What the parser takes for granted and then finds otherwise ("[" at the end of a line): an error, in every build,
-// instead of assert()'s end of the program in some and of nothing in others.
+// Failed assumptions of the parser ("[" at the end of a line) become an error in every build. With assert() they would
+// end the program in some builds, and pass in others.
 #pragma push_macro("NDEBUG")
 #undef NDEBUG
 #define TOML_ASSERT(expression) ((expression) ? void() : burin::fail_broken_off())
-// Debian builds toml++ as a library of its own, which those who link an installed Burin would have to find too.
+// Debian builds toml++ as a separate library, which users of an installed Burin would also need.
 #undef TOML_HEADER_ONLY
 #undef TOML_SHARED_LIB
 #define TOML_HEADER_ONLY 1
@@ -33,9 +33,9 @@ namespace {
 namespace burin {
 namespace {
 
-// toml++ 3 goes astray on letters beyond ASCII where it expects none, and what it takes for text is not always what it
-// should be. So it is given ASCII alone: each byte of such a letter as @ and two hexadecimal digits, @ itself as @@.
-// Outside of quotes and comments TOML has no @, which it says; in them as_json() takes the letters back.
+// toml++ 3 misreads letters beyond ASCII outside of text, and sometimes inside. So the parser gets ASCII alone: each
+// byte of such a letter becomes @ and two hexadecimal digits, and @ itself becomes @@. Outside of quotes and comments
+// TOML has no @, and the parser rejects it. as_json() restores the letters in them.
 std::string in_ascii(std::string_view text) {
   constexpr std::string_view kDigits = "0123456789abcdef";
   std::string out;
@@ -52,7 +52,7 @@ std::string in_ascii(std::string_view text) {
   return out;
 }
 
-// What in_ascii() was given. An @ that the file spelled otherwise (\u0040) stays what it is.
+// Restores the input of in_ascii(). An @ that the file spelled otherwise (\u0040) stays.
 std::string as_written(std::string_view text) {
   const auto digit = [](char c) { return c >= '0' && c <= '9' ? c - '0' : c >= 'a' && c <= 'f' ? c - 'a' + 10 : -1; };
   std::string out;
@@ -69,7 +69,7 @@ std::string as_written(std::string_view text) {
   return out;
 }
 
-// What in_ascii() made of a file, for those who are told of a place in it.
+// The output of in_ascii() for a file, with a map of positions for error messages.
 struct AsciiToml {
   const std::filesystem::path& file;
   std::string text;
@@ -82,14 +82,14 @@ std::string_view line_from(std::string_view text, const toml::source_position& a
   return text.substr(0, text.find('\n'));
 }
 
-// FILE:LINE:COLUMN, as the file has them, letters counted.
+// FILE:LINE:COLUMN in the original file; columns count letters.
 std::string at_line(const AsciiToml& toml, const toml::source_position& at) {
   const std::string before = as_written(line_from(toml.text, at).substr(0, at.column - 1));
   const auto letters = std::count_if(before.begin(), before.end(), [](char c) { return (c & 0xC0) != 0x80; });
   return toml.file.string() + ":" + std::to_string(at.line) + ":" + std::to_string(letters + 1);
 }
 
-// Whether a letter beyond ASCII stands there.
+// True if the position holds a letter beyond ASCII.
 bool is_foreign_letter(const AsciiToml& toml, const toml::source_position& at) {
   const std::string_view line = line_from(toml.text, at);
   const std::string_view rest = line.substr(std::min<std::size_t>(at.column - 1, line.size()));

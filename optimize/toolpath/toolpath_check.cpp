@@ -15,16 +15,16 @@ namespace {
 
 constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
 
-// What no machine means by a number: a board of a hundred meters, a feed of a kilometer a minute, ten minutes' rest.
+// Limits of plausible numbers: a board of a hundred meters, a feed of a kilometer per minute, a dwell of ten minutes.
 constexpr double kFarthest_mm = 1e5, kFastest_mm_min = 1e6, kLongestDwell_s = 600, kMostSpindle = 1e6;
-constexpr double kSlowest_mm_min = 1;  // grbl's own least feed (MINIMUM_FEED_RATE): a smaller one is not obeyed
+constexpr double kSlowest_mm_min = 1;  // grbl's least feed (MINIMUM_FEED_RATE); it ignores smaller ones
 
-// Way in the air that is lower scrapes along the face: decimals of coordinates end here.
+// A lower way in the air scrapes along the face: coordinates have no more decimals.
 constexpr double kLeastTravel_mm = 0.01;
 
-constexpr double kSameServo = 1e-4;  // S as a file's decimals and a controller's digits leave it
+constexpr double kSameServo = 1e-4;  // tolerance of S by a file's decimals and a controller's digits
 
-constexpr double kMostBlend_mm = 0.005;  // that LinuxCNC may leave the path by: well below a groove's width
+constexpr double kMostBlend_mm = 0.005;  // largest deviation of LinuxCNC from the path: well below a groove's width
 
 constexpr double kTravelRounding_mm = 1e-3;  // of the machine's bounds
 
@@ -65,7 +65,7 @@ class Machine {
       dwell(words);
     else if (words.has_axis() && !settings(words))
       move(words);
-    // Motors that are off hold no place.
+    // Motors without power hold no position.
     if (profile_.dialect == GcodeDialect::marlin && (words.has_m(840) || words.has_m(180))) go_home();
     if (words.has_m(2110)) software_endstops(words);
     if (words.has_m(20) || words.has_m(300)) end(words);
@@ -83,12 +83,12 @@ class Machine {
     fail(name_ + ":" + std::to_string(replay_.lines), what, remedy);
   }
 
-  /// Whether X, Y and Z are numbers of a setting (Marlin's M201 and its like), and no move.
+  /// True if X, Y and Z are numbers of a setting (Marlin's M201 and similar), and no move.
   static bool settings(const GcodeLine& words) {
     return std::any_of(words.m.begin(), words.m.end(), [](int m) { return m >= 2010 && m <= 2050; });
   }
 
-  /// Begins a program, if nothing was before it, or ends one.
+  /// Begins a program if it comes first, else ends one.
   void percent() {
     if (replay_.ended && percent_ != 1) error("has a % too many", "keep one before the program and one behind it");
     if (percent_ == 0 && commanded_)
@@ -154,18 +154,18 @@ class Machine {
       case 591:
       case 592:
       case 593:
-        // They say where zero is: on the machine, before anything moves.
+        // Offsets define zero; they may come only on the machine, before any move.
         if (moved_ && code != offset_[code >= 540])
           error("changes where zero is after the first move (G" + std::to_string(code / 10) + ")",
                 "choose the offset before the first move");
         offset_[code >= 540] = code;
         break;
       default:
-        break;  // what moves nothing; others are refused by read_gcode_line()
+        break;  // no motion; read_gcode_line() rejects others
     }
   }
 
-  /// G64: how far LinuxCNC may leave the path.
+  /// G64: LinuxCNC's tolerance of the path.
   void blend(const GcodeLine& words) {
     if (unit_mm_ == 0) error("sets a path tolerance before units are set", "begin the file with G21 G90");
     if (words.has_g(40)) error("has one P for a dwell (G4) and a path (G64)", "give each its own line");
@@ -178,22 +178,22 @@ class Machine {
             "write G61, or G64 with a P of at most " + shortest(kMostBlend_mm) + " mm");
   }
 
-  /// M211: whether Marlin stops Z at zero.
+  /// M211: Marlin's software endstop of Z at zero.
   void software_endstops(const GcodeLine& words) {
-    if (!words.has('S')) return;  // asks
+    if (!words.has('S')) return;  // a query
     if (words['S'] != 0 && words['S'] != 1) error("has an M211 that is neither on nor off", "write S0 or S1");
     below_zero_ = words['S'] == 0;
   }
 
-  /// What moves a servo's head: a spindle's S, an analog output or one of Marlin's servos.
-  static constexpr int kSpindle = 0, kOutput = 1000, kServo = 2000;  // the latter two and their number
+  /// Outputs that move a servo's head: a spindle's S, an analog output or one of Marlin's servos.
+  static constexpr int kSpindle = 0, kOutput = 1000, kServo = 2000;  // the latter two plus their number
 
   static int output_of(const GcodeLine& words) {
     if (words.has_m(670) || words.has_m(680)) return kOutput + static_cast<int>(words['E']);
     return words.has_m(2800) ? kServo + static_cast<int>(words['P']) : kSpindle;
   }
 
-  /// The one that the profile's block for a scratch presses by.
+  /// The output by which the profile's block for a scratch presses.
   int head_output() const {
     for (std::string line : profile_.per_scratch) {
       if (line.find("{servo}") == std::string::npos) continue;
@@ -207,14 +207,14 @@ class Machine {
     return kSpindle;
   }
 
-  /// On a laser any output may be the beam, on a servo another head: only what is known to switch none on may stand
-  /// there, beside what moves the head itself.
+  /// On a laser any output may be the beam, on a servo another head. Only commands known to switch nothing on are
+  /// permitted, and those of the head itself.
   void outputs(const GcodeLine& words) {
     if (!profile_.laser && !by_servo_) return;
     for (const int m : words.m) {
       const bool spindle = m == 30 || m == 40, head = spindle || m == 670 || m == 680 || m == 2800;
       if (switches_nothing_on(m)) continue;
-      if (profile_.laser && spindle) continue;  // spindle() has the words for it
+      if (profile_.laser && spindle) continue;  // spindle() has the message for it
       if (by_servo_ && head && output_of(words) == head_output_) continue;
       error("has M" + std::to_string(m / 10) + ", which may switch " +
                 (by_servo_ ? "another output than the one that moves the head" : "an output, perhaps the beam's"),
@@ -226,11 +226,11 @@ class Machine {
     beam_off_ = spindle_off_ && (fan_off_ || profile_.dialect != GcodeDialect::marlin);
   }
 
-  /// What turns a spindle, a beam or a servo. S in other lines is a dwell's or a firmware's setting.
+  /// Commands of a spindle, a beam or a servo. S in other lines belongs to a dwell or a firmware's setting.
   void spindle(const GcodeLine& words) {
     const bool on = words.has_m(30) || words.has_m(40), off = words.has_m(50);
     const bool set = words.has_m(670) || words.has_m(680) || words.has_m(2800);
-    // grbl and LinuxCNC take S in any line for the spindle's; Marlin gives it to the line's code.
+    // grbl and LinuxCNC apply S in any line to the spindle; Marlin applies it to the line's code.
     const bool has_s = words.has('S') && (profile_.dialect != GcodeDialect::marlin || on || off);
     if (words.has('S') && !(words['S'] >= 0 && words['S'] <= kMostSpindle))
       error("has an S that no spindle knows", "correct it");
@@ -246,7 +246,7 @@ class Machine {
     press(command, by_spindle && !spindle_on_);
   }
 
-  /// A servo's new command; `turned_off`: by M5, which is S0.
+  /// A servo's new command; `turned_off`: by M5, which equals S0.
   void press(double command, bool turned_off) {
     if (turned_off && !lifts_servo(profile_, 0))
       error("turns S off (M5), and S0 presses the head",
@@ -262,7 +262,7 @@ class Machine {
     carved_since_ = false;
   }
 
-  /// Before anything moves, the beam is off and the head up, whatever was before the file.
+  /// Before any move, the beam must be off and the head up, for any earlier state.
   void require_safe_head() const {
     if (profile_.laser && !beam_off_)
       error("moves before the laser's beam was turned off", profile_.dialect == GcodeDialect::marlin
@@ -273,24 +273,24 @@ class Machine {
             "lift it first, by S" + shortest(profile_.servo_up) + ", the servo_up of the machine profile");
   }
 
-  /// How far a place lies above the face.
+  /// Height of a place above the face.
   double clearance_mm(const Eigen::Vector3d& p) const {
     return face_ == nullptr || !p.allFinite() ? p.z() : p.z() - height_mm(*face_, p.head<2>());
   }
 
   bool in_metal() const { return by_servo_ ? head_depth_mm_ > 0 : clearance_mm(at_) < 0; }
 
-  /// Home, or another place that was stored on the machine: where that is the file does not tell.
+  /// Home, or another place stored on the machine: the file does not contain it.
   void go_home(const GcodeLine& words = {}) {
     require_safe_head();
     if (in_metal()) error("goes home with the tool in the metal", "lift it first");
-    // All but Marlin take the words for a place of the board to go by.
+    // All but Marlin take the words as an intermediate place on the board.
     if (words.has_axis() && profile_.dialect != GcodeDialect::marlin)
       error("goes home by a place of the board", "lift the tool by a line of its own, and take X, Y and Z away");
     leave_for_unknown(words);
   }
 
-  /// To a place that the file does not tell, along the axes that the words name, or all.
+  /// Move to a place unknown to the file, along the named axes, or all.
   void leave_for_unknown(const GcodeLine& words) {
     const Eigen::Vector3d from = at_;
     for (int axis = 0; axis < 3; ++axis)
@@ -313,7 +313,7 @@ class Machine {
     leave_for_unknown(words);
   }
 
-  /// Whether a place is high enough for a way along the board. A head that presses by itself needs no Z.
+  /// True if a place is high enough for a way along the board. A head that presses by itself needs no Z.
   bool clear_of_face(const Eigen::Vector3d& p) const {
     const double mm = clearance_mm(p);
     return presses_ ? !(mm < 0) : mm >= kLeastTravel_mm;
@@ -334,7 +334,7 @@ class Machine {
     replay_.duration_s += seconds;
   }
 
-  /// Throws for a place that is none, or that the machine does not reach.
+  /// Throws Error for an invalid place, or for one beyond the machine's reach.
   void check_place(const GcodeLine& words, const Eigen::Vector3d& to) const {
     for (int axis = 0; axis < 3; ++axis) {
       if (!words.has("XYZ"[axis])) continue;
@@ -349,7 +349,7 @@ class Machine {
     }
   }
 
-  /// Straight down and up: into the metal once for each scratch, and not deeper meanwhile.
+  /// Vertical moves: into the metal once for each scratch, and not deeper in between.
   void check_plunge(const Eigen::Vector3d& to, double along_mm, double up_mm) {
     if (by_servo_ || along_mm > 0) return;
     const double from_mm = clearance_mm(at_), to_mm = clearance_mm(to);
@@ -399,7 +399,7 @@ class Machine {
       replay_.max_mm[axis] = std::fmax(replay_.max_mm[axis], to[axis]);
     }
 
-    // From an unknown place the length of the way is not known: it is left out.
+    // From an unknown place the length of the way is unknown and left out.
     const double along_mm = along.allFinite() ? along.norm() : 0;
     const double up_mm = std::isnan(to.z() - at_.z()) ? 0 : std::abs(to.z() - at_.z());
     const bool in_metal = along_mm > 0 && goes_through_metal(to, up_mm);
@@ -415,7 +415,7 @@ class Machine {
     at_ = to;
   }
 
-  /// Whether a move along the board carves. Throws for one that must not be.
+  /// True if a move along the board carves. Throws Error for a forbidden move.
   bool goes_through_metal(const Eigen::Vector3d& to, double up_mm) const {
     if (by_servo_) {
       if (head_depth_mm_ > 0 && rapid_) error("moves with G0 through the metal", "carve with G1");
@@ -436,7 +436,7 @@ class Machine {
     return true;
   }
 
-  /// Heights above the face on the way from here.
+  /// Heights above the face on the way from the current place.
   HeightRange height_along(const Eigen::Vector3d& to) const {
     if (face_ != nullptr && at_.allFinite() && to.allFinite()) return height_above(*face_, at_, to);
     return {std::fmin(clearance_mm(at_), clearance_mm(to)), std::fmax(clearance_mm(at_), clearance_mm(to))};
@@ -477,7 +477,7 @@ class Machine {
     whole.depth_spread_mm = (most - least) / 2;
   }
 
-  /// Whether one stroke goes straight on from another: as straight as a file's decimals are.
+  /// True if one stroke continues another in a straight line, up to a file's decimals.
   static bool in_line(const ReplayedScratch& before, const ReplayedScratch& after) {
     const Eigen::Vector2d u = (after.to_mm - before.from_mm).normalized();
     const Eigen::Vector2d bend = after.from_mm - before.from_mm;
@@ -499,28 +499,28 @@ class Machine {
 
   const MachineProfile& profile_;
   std::string name_;
-  const Face* face_;  ///< null where it is even
+  const Face* face_;  ///< null for an even face
   Replay replay_;
   const std::function<void(const ToolWay&)>& each_way_;
   bool by_servo_ = false;
   bool presses_ = false;  ///< by itself, above the face: its feed moves are its scratches
-  bool goes_on_ = false;  ///< the move before carved
+  bool goes_on_ = false;  ///< the previous move carved
   bool spindle_on_ = false;
-  bool spindle_off_ = false, fan_off_ = false, beam_off_ = false;  ///< a laser's, told by this file
-  int head_output_ = kSpindle;                                     ///< what moves a servo's head
-  bool exact_path_ = false;                                        ///< LinuxCNC was told to keep to the path
-  bool below_zero_ = false;                                        ///< Marlin was told to let Z below zero
+  bool spindle_off_ = false, fan_off_ = false, beam_off_ = false;  ///< a laser's, set by this file
+  int head_output_ = kSpindle;                                     ///< output of a servo's head
+  bool exact_path_ = false;                                        ///< LinuxCNC has a command to keep to the path
+  bool below_zero_ = false;                                        ///< Marlin has a command that permits Z below zero
   double spindle_s_ = kUnknown, head_depth_mm_ = kUnknown;
-  bool carved_since_ = false;  ///< since the tool went into the metal
+  bool carved_since_ = false;  ///< since the tool entered the metal
   bool rapid_ = true, moving_ = false, absolute_ = false, moved_ = false;
-  bool commanded_ = false;               ///< there were other lines than comments
-  int percent_ = 0;                      ///< how many there were
+  bool commanded_ = false;               ///< the file had lines other than comments
+  int percent_ = 0;                      ///< number of % lines
   std::array<int, 2> offset_{490, 540};  ///< of the tool's length, and of the work
   double unit_mm_ = 0, feed_mm_min_ = 0;
   Eigen::Vector3d at_ = Eigen::Vector3d::Constant(kUnknown);
 };
 
-/// Strokes by the place of their middle, for looking up within a tolerance.
+/// Strokes by the place of their middle, for searches within a tolerance.
 class StrokeIndex {
  public:
   StrokeIndex(std::span<const PlannedScratch> planned, double tolerance_mm, double depth_share,
@@ -535,7 +535,7 @@ class StrokeIndex {
       cells_[key(cell(planned[i].from_mm + planned[i].to_mm))].push_back(i);
   }
 
-  /// The planned stroke with these ends and depth that was hit least often so far, and counts the hit; -1 if none.
+  /// Returns the planned stroke with these ends and depth and the fewest hits so far, and counts the hit; -1 if none.
   std::ptrdiff_t hit(const ReplayedScratch& s) {
     std::ptrdiff_t best = -1;
     const auto [column, row] = cell(s.from_mm + s.to_mm);
@@ -565,7 +565,7 @@ class StrokeIndex {
             (near(p.from_mm, s.to_mm) && near(p.to_mm, s.from_mm)));
   }
   Cell cell(const Eigen::Vector2d& sum_of_ends) const {  // ends within the tolerance move their sum by at most twice it
-    // Whatever lies farther out lies in the outermost cell; same() tells it apart.
+    // Farther places share the outermost cell; same() separates them.
     constexpr double kOutermost = 1e15;
     const auto index = [&](double mm) {
       const double at = std::floor(mm / cell_mm_);
@@ -583,7 +583,7 @@ class StrokeIndex {
   std::unordered_map<std::uint64_t, std::vector<std::size_t>> cells_;
 };
 
-/// How many of the carved strokes are planned ones once x (or y) is turned round about the middle of what they cover.
+/// Number of carved strokes that are planned ones after mirroring x (or y) about the middle of their extent.
 std::size_t found_when_mirrored(std::span<const ReplayedScratch> carved, std::span<const PlannedScratch> planned,
                                 int axis, double tolerance_mm, double depth_share) {
   const auto middle = [axis](const auto& strokes) {
@@ -660,7 +660,7 @@ void fail_unless_ended(const Replay& replay, const MachineProfile& machine, cons
                              : std::to_string(carved - named) + " too many, it was changed"),
          "write it again, or copy it again from where it is whole");
   if (replay.ended || machine.dialect == GcodeDialect::marlin) return;
-  // Where the profile ends its files so, one without it was cut off; LinuxCNC takes none without it.
+  // If the profile ends its files so, a file without it was cut off; LinuxCNC accepts none without it.
   const bool its_own = std::any_of(machine.end.begin(), machine.end.end(), [](const std::string& line) {
     return line.find("M2") != std::string::npos || line.find("M30") != std::string::npos;
   });

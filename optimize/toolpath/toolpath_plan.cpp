@@ -21,7 +21,7 @@ constexpr double kEdgeTolerance_mm = 1e-3;  // files are rounded to 1e-5 mm or, 
 
 std::string point_text(const Eigen::Vector2d& p) { return "(" + fixed(p.x(), 3) + ", " + fixed(p.y(), 3) + ") mm"; }
 
-/// What the machine is to be told on this bench: a depth that nobody measured is what it was told before.
+/// The commanded scratches on this bench; an unmeasured depth keeps its previous command.
 Sent sent_to(const Scratches& scratches, const Board& board, const Bench* measured) {
   if (measured == nullptr) return Sent(scratches);
   Bench bench = *measured;
@@ -29,7 +29,7 @@ Sent sent_to(const Scratches& scratches, const Board& board, const Bench* measur
   return compensated(Designed(scratches), bench, board);
 }
 
-// Scratches as the machine is told them, and as it will carve them.
+// Commanded scratches, and the resulting grooves.
 struct Told {
   Scratches sent, carved;
 };
@@ -38,7 +38,7 @@ Told told_to_machine(const Scratches& scratches, Sent sent_as_wanted, const Affi
                      Toolpath& path) {
   const auto lies_mm = [&](Eigen::Vector2d& q, Eigen::Vector2d& p) {
     if (step_mm <= 0) return;
-    // The machine goes to its steps whatever it is told: tell it so, and judge what it will carve.
+    // The machine rounds commands to its steps, so the command is rounded, and the result is judged.
     const Eigen::Vector2d wanted = p;
     q = (q / step_mm).array().round() * step_mm;
     const Eigen::Vector2d lies = carves.leftCols<2>() * q + carves.col(2);
@@ -75,7 +75,7 @@ void check_travel(const Scratches& sent, const MachineProfile& machine, bool com
   }
 }
 
-// A map tells nothing of the face far beyond its points.
+// Far beyond its points, a map does not determine the face.
 void check_within(const HeightMap& map, const PlannedScratch& s) {
   for (const Eigen::Vector2d& p : {s.from_mm, s.to_mm})
     if (beyond_mm(map, p) > map.step_mm.minCoeff())
@@ -84,7 +84,7 @@ void check_within(const HeightMap& map, const PlannedScratch& s) {
            "probe the whole carve area (burin probe)");
 }
 
-// One more scratch at the path's end: what it covers, its ways and its time.
+// Appends a scratch to the path: its extent, its ways and its time.
 void append(Toolpath& path, const PlannedScratch& s, const MachineProfile& machine) {
   if (path.scratches.empty()) {
     path.min_mm.setConstant(std::numeric_limits<double>::infinity());
@@ -99,10 +99,10 @@ void append(Toolpath& path, const PlannedScratch& s, const MachineProfile& machi
   path.scratches.push_back(s);
 }
 
-// How high the tool travels between scratches: as the face lies and as things stand on that way.
+// Travel height between scratches, by the face and the obstacles on each way.
 void plan_heights(Toolpath& path, const MachineProfile& machine) {
   path.first_z_mm = first_z_mm(path.workpiece, path.face, machine);
-  const Workpiece bare;  // Z that stays is the face's affair: over what stands on it, Z is lifted for that way alone
+  const Workpiece bare;  // a constant Z depends on the face; obstacles raise Z on a single way
   path.kept_z_mm = machine.safe_z_mm;
   for (std::size_t k = 0; k < path.scratches.size(); ++k) {
     PlannedScratch& s = path.scratches[k];
@@ -113,8 +113,7 @@ void plan_heights(Toolpath& path, const MachineProfile& machine) {
   }
 }
 
-// What the machine is told, in the order and the ways in which it will carve: a scratch that is carved backwards meets
-// the backlash from the other side.
+// The commanded scratches in the order and directions of carving: a reversed scratch has backlash from the other side.
 Sent told_in_order(const Scratches& wanted, const std::vector<CarvingStep>& order, const Board& board,
                    const Bench& measured, double step_mm) {
   Sent sent = sent_to(in_carving_order(wanted, order), board, &measured);
@@ -158,7 +157,7 @@ Toolpath plan_toolpath(const Scratches& scratches, const Board& board, const Ben
   fail_unless_good(check_limits(carved, limits, kEdgeTolerance_mm), "tool path");
   check_travel(sent, machine, path.compensated);
 
-  std::vector<std::size_t> rows;  // what is to be carved
+  std::vector<std::size_t> rows;  // scratches to be carved
   for (std::size_t i = 0; i < sent.size(); ++i)
     if (!sent.is_carved(i)) rows.push_back(i);
   const Scratches to_carve = selected(sent, rows);
@@ -190,8 +189,8 @@ Toolpath left_after(const Toolpath& planned, const MachineProfile& machine, std:
   if (line < 1 || line > replay.lines)
     fail(name + ": line " + std::to_string(line), "is not in the file, which has " + std::to_string(replay.lines),
          "give the line at which the machine stopped");
-  const double tolerance_mm = 1e-3;  // of coordinates with the fewest decimals that make sense
-  // A depth is known to the last decimal of Z; of a servo's S, only roughly.
+  const double tolerance_mm = 1e-3;  // of coordinates with the fewest sensible decimals
+  // A depth is accurate to the last decimal of Z; with a servo's S only roughly.
   const double depth_tolerance_mm = machine.depth_by == DepthBy::servo
                                         ? tolerance_mm
                                         : std::min(tolerance_mm, 0.6 * std::pow(10.0, -machine.decimals));
@@ -203,7 +202,7 @@ Toolpath left_after(const Toolpath& planned, const MachineProfile& machine, std:
            "carves a scratch that is not among those given, " + point_text(replay.scratches[k].from_mm) + " to " +
                point_text(replay.scratches[k].to_mm),
            "give the scratches, board, bench and machine that the file was made with");
-  // A scratch is done once the line that carves it lies behind the machine.
+  // A scratch is done once the machine has passed its line.
   const auto first = std::find_if(replay.scratches.begin(), replay.scratches.end(),
                                   [&](const ReplayedScratch& s) { return s.line >= line; });
   if (first == replay.scratches.begin())
@@ -219,7 +218,7 @@ Toolpath left_after(const Toolpath& planned, const MachineProfile& machine, std:
   left.kept_order = planned.kept_order;
   left.already_carved = planned.already_carved;
   left.stepped_mm = planned.stepped_mm;
-  std::vector<CarvingStep> rows;  // of what was planned
+  std::vector<CarvingStep> rows;  // of the planned ones
   for (std::size_t k = left.done_before; k < found.size(); ++k) {
     const auto i = static_cast<std::size_t>(found[k]);
     PlannedScratch s = planned.scratches[i];
