@@ -409,7 +409,7 @@ bool is_better(const std::vector<double>& fewer, const std::vector<double>& more
   return mean > kLeastGain && mean > kErrors * error;
 }
 
-// Number of curve parameters that the brackets ask for.
+// Number of curve parameters with evidence in the brackets.
 int curve_numbers_asked(std::span<const BlockComparison> all, const Session& session,
                         const std::vector<std::size_t>& brackets, double scatter) {
   if (brackets.size() < 2) {
@@ -445,7 +445,7 @@ void drop_contradictions(const Session& session, const std::vector<Bracket>& bra
     for (const int longer : brackets[used[i]].photos) {
       std::vector<double> off;
       for (std::size_t k = 0; k < all.size(); ++k)
-        // includes the part that the photos' own parameters absorbed
+        // includes the part in the photos' own parameters
         if (all[k].bracket == used[i] && all[k].longer == longer)
           off.push_back(fit.residual[k] + fit.photos[3 * all[k].longer] - fit.photos[3 * all[k].shorter]);
       const double here = median_of(off);

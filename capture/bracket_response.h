@@ -2,7 +2,7 @@
 // docs/model.md 9.22. After Debevec and Malik (SIGGRAPH 1997) and Mitsunaga and Nayar (CVPR 1999), with few parameters
 // for the curve.
 //
-// Each block of pixels that is flat in two exposures of a bracket gives one equation per color c:
+// Each block of pixels gives one equation per color c if it is flat in two exposures of a bracket:
 //
 //   L(s_longer) - L(s_shorter) = log(ratio of the exposures) + e_longer + w_longer,c - e_shorter - w_shorter,c,
 //
@@ -21,7 +21,7 @@
 
 namespace burin {
 
-/// Camera response and white balances that brackets determine.
+/// Camera response and white balances from brackets.
 struct BracketResponse {
   Response response;        ///< none if the brackets do not ask for one
   double change = 0;        ///< standard deviation of its changes to ratios of light, over stored levels 0.1 to 0.9
@@ -31,12 +31,12 @@ struct BracketResponse {
   /// 1.
   std::vector<Eigen::Vector3d> balance;
   std::size_t brackets = 0;       ///< number of compared brackets; 0: no view has two exposures
-  std::vector<Finding> findings;  ///< brackets that contradict their EXIF or the others
+  std::vector<Finding> findings;  ///< brackets in contradiction to their EXIF or the others
 };
 
 /// Estimates response and balance from a few brackets first, and from all if these show an effect. Reads photos with
 /// the response and balance in `session`. `fit_curve` false fits the balance only, under the first photo's response. A
-/// curve that would not be monotonic becomes a finding and is not returned.
+/// non-monotonic curve becomes a finding and is not returned.
 BracketResponse bracket_response(const Session& session, bool fit_curve = true);
 
 }  // namespace burin

@@ -20,8 +20,8 @@ struct Exif {
   int orientation = 1;                    ///< EXIF's code; 1: as stored. Never applied to pixels
   std::string make, model;
   std::optional<bool> auto_white;  ///< the camera chose the white balance for this photo alone
-  /// Encoding by the file's own metadata (burin/pictures/file_colors.h): sRGB, linear, or another curve. read_photo()
-  /// undoes that other curve.
+  /// Encoding by the file's own metadata (burin/pictures/file_colors.h): sRGB, linear, or another curve, which
+  /// read_photo() removes.
   bool says_srgb = false, says_linear = false, says_curve = false;
   /// EXIF calls the color space uncalibrated, and no profile identifies it.
   bool uncalibrated = false;
@@ -30,7 +30,7 @@ struct Exif {
   std::optional<double> digital_zoom;  ///< EXIF's ratio, from 1
 };
 
-/// Reads the header. Throws Error for a missing file and for a file that is no picture.
+/// Reads the header. Throws Error for a missing file and for other files than pictures.
 Exif read_exif(const std::filesystem::path& file);
 
 /// The f-number of all photos if none has one. A fixed aperture ring scales all photos alike, so this number only sets
@@ -38,7 +38,7 @@ Exif read_exif(const std::filesystem::path& file);
 inline constexpr double kAssumedAperture = 8;
 
 /// The conversion of a file's values to linear ones. Raw files are "raw". A color profile decides between "linear" and
-/// "srgb"; "srgb" also covers a custom curve, which read_photo() undoes. Without a profile, JPEG and HEIC are "srgb",
+/// "srgb"; "srgb" also covers a custom curve, which read_photo() removes. Without a profile, JPEG and HEIC are "srgb",
 /// and EXR and other floating-point files "linear". For a PNG or TIFF without metadata, 16 bits are linear
 /// (machine-vision cameras, raw converters' linear output) and 8 bits sRGB.
 struct AssumedEncoding {

@@ -120,7 +120,7 @@ DigitalZoom digital_zoom_of(const Exif& exif) {
   return {exif.digital_zoom.value_or(1), exif.focal_35mm && exif.focal_mm ? *exif.focal_35mm / *exif.focal_mm : 0};
 }
 
-// Leaves out photos that the camera magnified or cropped, or that the flash lit, unlike most, by their EXIF.
+// Leaves out photos with digital zoom, crop or flash, unlike most, by their EXIF.
 void leave_out_by_exif(std::vector<ExifPhoto>& photos, std::vector<Finding>& findings) {
   if (photos.size() < 3) return;
   constexpr double kSameZoom = 0.045;  // rounding of a 35 mm equivalent of 13 mm

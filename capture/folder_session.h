@@ -46,8 +46,8 @@ struct CaptureResult {
 };
 
 /// `burin capture`: makes DIR/session.json from a folder of photos and a board, after the pre-flight check
-/// (burin/capture/preflight.h). Throws Error for a folder that is missing or holds no photo, an unreadable board, a
-/// folder that cannot be written, and photos with an unknown lamp.
+/// (burin/capture/preflight.h). Throws Error for a missing folder or one without photos, an unreadable board, an
+/// unwritable folder, and photos with an unknown lamp.
 CaptureResult capture_folder(const std::filesystem::path& photos_dir, const std::filesystem::path& board_json,
                              const std::filesystem::path& out_dir, const Progress& progress = {},
                              const PhotoLamps& lamps = {Photo().light, {}}, double f_number = 0);

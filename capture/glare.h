@@ -1,4 +1,4 @@
-// burin/capture/glare.h - veiling glare: light that a lens scatters far over the picture. docs/model.md 5.13.
+// burin/capture/glare.h - veiling glare: light scattered by a lens far over the picture. docs/model.md 5.13.
 //
 //   seen = (1 - share) x + share K x,      K ~ 1 / (r^2 + core_px^2) for r up to reach_px, its sum 1.
 //

@@ -1,9 +1,9 @@
-// burin/capture/green_sites.h - color filter array: the pixels of a photo that measured green. docs/model.md 9.24a.
+// burin/capture/green_sites.h - color filter array: the green pixels of a photo. docs/model.md 9.24a.
 //
 // Half of such a sensor's pixels measure green, a quarter each red and blue; the camera interpolates the rest.
 // Edge-directed demosaicing loses light of glints smaller than a pixel: it averages neighbors that agree, and these are
 // dark. Photos with few bright glints lose most, up to two per cent, which biases roughness and depth. Brightness is
-// reliable at the pixels that measured green (keep_green_sites(), burin/scene/response.h).
+// reliable at measured green pixels (keep_green_sites(), burin/scene/response.h).
 #pragma once
 
 #include <span>
@@ -21,8 +21,8 @@ struct GreenSitesFound {
   double detail = 0, detail_sigma = 0;
 };
 
-/// Examines up to four photos that are in color and not raw. Interpolated pixels hold less fine detail than measured
-/// ones. Throws Error as read_photo() does.
+/// Examines up to four photos in color, except raw ones. Interpolated pixels hold less fine detail than measured ones.
+/// Throws Error as read_photo() does.
 GreenSitesFound find_green_sites(std::span<const Photo> photos);
 
 }  // namespace burin

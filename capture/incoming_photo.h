@@ -1,4 +1,4 @@
-// burin/capture/incoming_photo.h - a file that a session may take as a photo, by its header alone.
+// burin/capture/incoming_photo.h - a candidate photo of a session, by its header alone.
 #pragma once
 
 #include <filesystem>
@@ -13,7 +13,7 @@ struct IncomingPhoto {
   std::filesystem::path file;
   Exif exif;
   std::string unreadable;  ///< reason why its header could not be read; empty if it could
-  std::string light;       ///< the lamp that was on; empty: the caller's lamp
+  std::string light;       ///< the lit lamp; empty: the caller's lamp
 };
 
 }  // namespace burin

@@ -38,14 +38,14 @@ struct PhotoFacts {
   Exif exif;
   std::optional<double> exposure_factor;  ///< exposure_s iso / 100 / f_number^2; ISO 100 and f/8 if EXIF has none
   std::vector<TagLook> tags;              ///< tags of the board, sorted by id
-  std::vector<int> missing_tags;          ///< ids of the board that are not seen
+  std::vector<int> missing_tags;          ///< unseen ids of the board
   std::vector<int> stray_tags;            ///< seen ids at places where the board has no such tag
   double tag_side_px = 0;                 ///< median
-  double bright = 0;                      ///< value that 0.5 % of the pixels exceed
+  double bright = 0;                      ///< 99.5 % quantile of the pixels
   double paper = 0;                       ///< median over the tags' white paper; 0 without tags
-  double paper_clipped = 0;               ///< clipped share of that paper
-  /// Share of clipped pixels within the carve area, and the value that 0.1 % exceed; the tags' paper does not count.
-  /// None if the place of the carve area in the photo is unknown.
+  double paper_clipped = 0;               ///< clipped share of the paper
+  /// Share of clipped pixels within the carve area, and the 99.9 % quantile; the tags' paper does not count. None if
+  /// the place of the carve area in the photo is unknown.
   std::optional<double> glints_clipped, glints_bright;
   /// Gaussian width of the tags' edges, the pixel's own square included: the median over all sides, and the worst
   /// tag's. None if no edge could be measured. `one_way_blur` is the ratio of the widths in two directions of the
@@ -67,8 +67,8 @@ struct PhotoFacts {
 /// Judges a photo of `board`. `believed` is the bench's lens, if there is one. A photo whose EXIF focal length differs
 /// by more than a seventh is judged by its own. `before` is the previous photo. If this one is too dark to show a tag,
 /// and was taken within a minute at a shorter exposure, it counts as the same place. `f_number` applies to a photo
-/// without one in EXIF; 0: not known. Throws Error for a file that is missing, broken, cut short, or of an unknown
-/// kind, and for a tag family unknown to AprilTag.
+/// without one in EXIF; 0: not known. Throws Error for a missing, broken or truncated file, for an unknown kind, and
+/// for a tag family unknown to AprilTag.
 PhotoFacts judge_photo(const std::filesystem::path& file, const Board& board, const Lens* believed = nullptr,
                        const PhotoFacts* before = nullptr, double f_number = 0);
 

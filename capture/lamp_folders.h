@@ -14,7 +14,7 @@ namespace burin {
 /// Known lamps of a folder of photos.
 struct PhotoLamps {
   std::string of_folder;           ///< the lamp of photos in the folder itself; empty: unknown
-  std::vector<std::string> names;  ///< lamps that may name subfolders
+  std::vector<std::string> names;  ///< possible names of subfolders
 };
 
 /// The folder of one lamp.

@@ -180,7 +180,7 @@ NoiseModel fit_noise(std::span<const NoiseSample> samples) {
   if (samples.empty()) return {};
   const NoiseModel least{0, 0, 1.0 / 12};
   // Unknowns: photon, read, and the part of `stored` beyond rounding. Rows are scaled to relative errors. No sample
-  // counts for more than a thousand values: beyond that the model's own error dominates.
+  // counts for more than a thousand values: the model's own error dominates beyond.
   Eigen::MatrixXd A(samples.size(), 3);
   Eigen::VectorXd b(samples.size());
   for (std::size_t i = 0; i < samples.size(); ++i) {

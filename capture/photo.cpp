@@ -307,7 +307,7 @@ bool merge_pixel(const Exposures& e, const NoiseModel& noise, std::size_t i, flo
   return valid;
 }
 
-/// A row of bins, and the pixels that are left below the last.
+/// A row of bins, and the remaining pixels below the last.
 void merge_row(const Exposures& e, const NoiseModel& noise, GreenSites sites, int row, GrayView* gray,
                MergedView& merged) {
   const Image& like = e.photos.front().value;

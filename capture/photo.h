@@ -20,7 +20,7 @@ namespace burin {
 /// Reads PNG, TIFF, JPEG, EXR and raw files. `photo.encoding` defines the conversion to linear values. Raw files become
 /// linear without tone curve, white balance or color matrix. Their black level is removed and the color filter array is
 /// filled in linearly. 12-bit data in the high end of 16 clips at its own top. An alpha channel is ignored. Throws
-/// Error for a file that is missing, broken, cut short, or of an unknown kind.
+/// Error for a missing, broken or truncated file, and for an unknown kind.
 LinearPhoto read_photo(const Photo& photo);
 
 /// One view under one lamp: all its exposures in one picture.
@@ -56,13 +56,12 @@ struct MergeOptions {
   GrayView* gray = nullptr;  ///< filled if given: tag detection needs every pixel, but no color and no sigma
 };
 
-/// Merges the exposures of one view and lamp. Each exposure is weighted by the inverse variance that `noise` predicts.
-/// The prediction uses the value of the longest exposure that holds the pixel, then the merged value. So a pixel's own
-/// noise hardly changes its weights. Pixels within two of a clipped one also come from shorter exposures: sensors bloom
-/// and JPEG rings there. If no exposure is left, `value` is the shortest exposure's, a lower bound. With known green
-/// sites (Photo::green_sites), `value` rests on these (keep_green_sites()). `gray` does not: demosaicing loses light of
-/// glints but not of paper's edges, and corners need every pixel. Throws Error when sizes or channels differ, or when
-/// no photo is given.
+/// Merges the exposures of one view and lamp. Each exposure is weighted by its inverse variance under `noise`. The
+/// variance uses the pixel's longest valid exposure, then the merged value. So a pixel's own noise hardly changes its
+/// weights. Pixels within two of a clipped one also come from shorter exposures: sensors bloom and JPEG rings there. If
+/// no exposure is left, `value` is the shortest exposure's, a lower bound. With known green sites (Photo::green_sites),
+/// `value` rests on these (keep_green_sites()). `gray` does not: demosaicing loses light of glints but not of paper's
+/// edges, and corners need every pixel. Throws Error when sizes or channels differ, or when no photo is given.
 MergedView merge_bracket(std::span<const Photo> photos, const NoiseModel& noise, const MergeOptions& options = {});
 
 /// Merges with the noise of these photos alone (estimate_noise).
@@ -95,8 +94,8 @@ void for_each_merged(const Session& session, std::span<const Bracket> brackets, 
                      int bin, const MergedWork& work);
 
 /// Merges all (view, light) pairs of a session in order of first appearance, each with the noise of its encoding and
-/// ISO. Runs in parallel; the same files give the same bits for any number of threads. `kept` chooses the part that
-/// stays in memory, such as a cropped() one. Throws Error when photo sizes differ.
+/// ISO. Runs in parallel; the same files give the same bits for any number of threads. `kept` chooses the part in
+/// memory, such as a cropped() one. Throws Error when photo sizes differ.
 using KeptPart = std::function<MergedView(MergedView&&)>;
 std::vector<MergedView> merge_session(const Session& session, int bin = 1, const KeptPart& kept = {});
 

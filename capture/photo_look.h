@@ -29,12 +29,12 @@ struct PhotoLook {
   SmallPhoto small;             ///< mean of the channels, clipped where a pixel behind it is; at most 800 pixels a side
   double scale = 1;             ///< photo pixels per pixel of `small`
   double clipped_fraction = 0;  ///< share of the photo's pixels
-  double bright = 0;            ///< value that 0.5 % of the pixels exceed
+  double bright = 0;            ///< 99.5 % quantile of the pixels
   double noise_floor = 0;       ///< the smallest value worth comparing
   std::optional<double> edge_sigma_px;  ///< width of the sharpest edges as a Gaussian; none if there are too few edges
   int width = 0, height = 0;            ///< size of the photo
   std::vector<TagLook> tags;            ///< tags of the board, sorted by id; without ids seen twice
-  std::vector<int> stray_tags;          ///< ids of the board's family that it does not list, sorted
+  std::vector<int> stray_tags;          ///< unlisted ids of the board's family, sorted
 };
 
 /// Reads the photo, and searches it for the board's tags if given. Throws Error as read_photo does, and for a tag

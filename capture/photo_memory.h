@@ -9,8 +9,8 @@
 
 namespace burin {
 
-/// A photo's pixels by its header. Raw files that only their library can measure, and unreadable files, count as the
-/// largest size; the reader reports the latter.
+/// A photo's pixels by its header. Raw files without a readable size, and unreadable files, count as the largest size;
+/// the reader reports the latter.
 double pixels_of(const std::filesystem::path& file);
 
 /// The number of photos, or groups of photos with `pixels` pixels each, to read at once: at least 1, at most `most`.

@@ -78,7 +78,7 @@ std::vector<fs::path> photos_in(const fs::path& folder, std::vector<Finding>& fi
   return files;
 }
 
-// Names folders with photos that belong to no lamp: no photo is left out without a message.
+// Names folders with photos but without a lamp: no photo is left out without a message.
 std::vector<fs::path> find_other_folders(const fs::path& folder, const PhotoLamps& lamps,
                                          const std::vector<LampFolder>& known, std::vector<Finding>& findings) {
   std::vector<fs::path> others, with_photos;

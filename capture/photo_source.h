@@ -1,6 +1,6 @@
 // burin/capture/photo_source.h - sources of photos: the one entry for all photos.
 //
-// A source is a function that returns one photo after another, and nothing at the end. Folders and files are the only
+// A source is a function: it returns one photo after another, and nothing at the end. Folders and files are the only
 // sources: a connected camera (tools/tether) also writes its photos into a folder.
 #pragma once
 

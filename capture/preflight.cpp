@@ -32,7 +32,7 @@ constexpr int kFewTagsInView = 4;          // in a view
 constexpr double kSmallTagInView_px = 20;  // the largest families decode from this size on
 constexpr double kPaperClipped = 0.2;      // of the white cells of a view's tags, in its shortest exposure
 constexpr double kLittleOfFrame = 0.35;
-constexpr double kOneDirection_deg = 20;  // between the views that differ most
+constexpr double kOneDirection_deg = 20;  // largest angle between two views: seen from one direction only
 constexpr double kTiltForFocal_deg =
     20;  // nearer to the normal, any focal length fits at some distance, and other faults look like one
 constexpr double kWrongSize = 0.08;       // print, lens and bow account for a few per cent of a tag's side
@@ -48,7 +48,7 @@ std::string percent(double share) { return fixed(100 * share, 0) + " %"; }
 
 void judge_files(const Session& session, std::span<const Exif> exif, std::vector<Finding>& findings) {
   int turned = 0;
-  // Most photos count as correct; photos that differ from them are named.
+  // Most photos count as correct; deviating photos are named.
   std::map<std::pair<int, int>, int> sizes;
   for (const Exif& e : exif) ++sizes[{e.width, e.height}];
   const auto usual = std::max_element(sizes.begin(), sizes.end(), [](const auto& a, const auto& b) {
@@ -161,7 +161,7 @@ void judge_exposures(const Session& session, const std::vector<ComparedPhoto>& c
          "raw photos, or the camera's flattest picture style, need no such curve"});
 }
 
-// Photos of another board show several tags that board.json does not list, and hardly one that it does.
+// Photos of another board show several tags missing in board.json, and hardly a listed one.
 void judge_strays(const Session& session, std::span<const PhotoLook> looks, std::vector<Finding>& findings) {
   constexpr std::size_t kFewStrays = 3, kFewOwn = 3;
   // If no photo shows this board, its board.json is wrong, and judge_tags() reports it.
@@ -290,7 +290,7 @@ int best_for_tags(const Bracket& bracket, const Session& session, std::span<cons
   });
 }
 
-// The usual mistake is the paper's width: 9/5 of the side that AprilTag reports for its newer families.
+// The usual mistake is the paper's width: 9/5 of AprilTag's side for its newer families.
 Finding wrong_size(double ratio, const TagSet& tags) {
   const Tag& first = tags.list.front();
   const auto paper = tag_paper(first, tags.family).polygon_mm;

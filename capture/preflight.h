@@ -1,11 +1,12 @@
 // burin/capture/preflight.h - checks of a session's photos before any solve.
 //
-// Errors: unreadable photos, differing sizes, rotated files, another camera, another focal length, no tag of the board
-// in any photo. Warnings: much of a view clipped in every exposure, the tags' paper among it; no exposure that is
-// bright enough; blur; another aperture; exposures that contradict their EXIF; a camera that moved within a view; too
-// few views; views with few or small tags; a board that fills little of the frame or is always seen from one side; a
-// photo that another focal length or focus explains better. Notes: files with an EXIF orientation (pixels stay as the
-// sensor had them).
+// - Errors: unreadable photos, differing sizes, rotated files, another camera, another focal length, no tag of the
+// board in any photo.
+// - Warnings about exposure: much of a view clipped in every exposure, the tags' paper among it; no bright enough
+// exposure; blur; another aperture; exposures in contradiction to EXIF.
+// - Warnings about geometry: a camera in motion within a view; too few views; views with few or small tags; a board
+// with little of the frame, or seen from one side only; a photo with another focal length or focus.
+// - Notes: files with an EXIF orientation (pixels stay as the sensor had them).
 #pragma once
 
 #include <span>

@@ -251,8 +251,8 @@ void pass_over_copies(std::vector<IncomingPhoto>& photos, std::vector<Finding>& 
 
 std::vector<bool> twins_of(const std::vector<ExifPhoto>& photos, const std::vector<std::optional<PhotoLook>>& looks,
                            std::vector<Finding>& findings) {
-  // Chooses the kept file of a shot: a kind that many shots have, raw before more bits before HEIC, from which phones
-  // make JPEGs. Then the usual size decides, then the shortest name.
+  // Chooses the kept file of a shot: a frequent kind, raw before more bits before HEIC, from which phones make JPEGs.
+  // Then the usual size decides, then the shortest name.
   std::map<std::pair<int, int>, int> sizes;
   std::map<std::string, int> kinds;
   int most = 0;

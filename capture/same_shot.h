@@ -35,10 +35,10 @@ std::vector<bool> twins_of(const std::vector<std::pair<Photo, Exif>>& photos,
 struct SharedShot {
   std::size_t with = 0;        ///< index of the earlier photo
   bool newcomer_goes = false;  ///< the new photo is left out, else the earlier one
-  Finding said;                ///< finding about the photo that is left out
+  Finding said;                ///< finding about the omitted photo
 };
 
-/// Applies the rules above. `look_of` returns the looks of photos that headers leave open.
+/// Applies the rules above. `look_of` returns the looks of photos with inconclusive headers.
 std::optional<SharedShot> find_shared_shot(const IncomingPhoto& newcomer, const std::vector<IncomingPhoto>& others,
                                            const std::function<PhotoLook(const Photo&)>& look_of);
 

@@ -42,7 +42,7 @@ struct Session {
 /// each view has another lamp.
 std::string lamp_on_camera(const std::string& lamp, const std::string& view);
 
-/// Reads `session.json`. Throws Error on anything missing, unknown or out of range, photos that do not exist included.
+/// Reads `session.json`. Throws Error on anything missing, unknown or out of range, missing photos included.
 Session read_session(const std::filesystem::path& file);
 
 /// Writes `session.json`, paths relative to its folder; atomically.

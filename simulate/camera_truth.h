@@ -1,9 +1,9 @@
 // burin/simulate/camera_truth.h - effects of a simulated lens and phone: veiling glare, color filter array, white
 // balance, an S-curve, sharpening. Independent of scene/response.h and capture/glare.h, which remove these effects.
 //
-// Fields of `sensor` in truth.json: mosaic; white_balance [r, g, b], white_balance_jitter (standard deviation of the
-// logarithm of R's and B's factor from photo to photo); contrast, pivot; sharpen_amount, sharpen_px. Separate field:
-// glare {share, core_px, reach_px}. The effects apply in the order of the light path.
+// Fields of `sensor` in truth.json: mosaic; white_balance [r, g, b], white_balance_jitter; contrast, pivot;
+// sharpen_amount, sharpen_px. The jitter is the standard deviation of the logarithm of R's and B's factor from photo to
+// photo. Separate field: glare {share, core_px, reach_px}. The effects apply in the order of the light path.
 #pragma once
 
 #include <Eigen/Core>

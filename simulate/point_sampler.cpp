@@ -674,8 +674,8 @@ struct PointOfLamp {
   double share = 1;
 };
 
-// Evenly spread points of an area light: a sunflower pattern on a disk; on a panel a lattice on a quarter, mirrored to
-// the others (a lattice on the whole panel would equal a panel turned by a degree).
+// Evenly spread points of an area light: a sunflower pattern on a disk. On a panel it is a lattice on a quarter,
+// mirrored to the others. A lattice on the whole panel would equal a panel turned by a degree.
 std::vector<Vector3d> spread_over(const Light& light, int count) {
   if (light.size.is_point()) return {light.position_mm};
   const double golden = (std::sqrt(5.0) - 1) / 2;

@@ -1,9 +1,9 @@
 // burin/simulate/simulated_camera.h - synthetic photos of a bench with known ground truth.
 //
-// Radiance comes from point sampling (burin/simulate/point_sampler.h). The other steps follow the light path: the
-// lens's blur and glare, gain * exposure * vignette (docs/model.md 5), a mono sensor's mean of the channels, Poisson
-// electrons and read noise, clipping at the white level, camera effects of a phone (camera_truth.h), rounding to the
-// sensor's bits, the file's encoding, EXIF.
+// Radiance comes from point sampling (burin/simulate/point_sampler.h). The other steps follow the light path:
+// - the lens's blur and glare, gain * exposure * vignette (docs/model.md 5), a mono sensor's mean of the channels;
+// - Poisson electrons and read noise, clipping at the white level;
+// - camera effects of a phone (camera_truth.h), rounding to the sensor's bits, the file's encoding, EXIF.
 #pragma once
 
 #include <filesystem>

@@ -390,7 +390,7 @@ TagsInPhoto TagDetector::detect(const Image& linear, std::span<const std::uint8_
       const Eigen::Vector2d center = 0.25 * (tag.coarse_px[0] + tag.coarse_px[1] + tag.coarse_px[2] + tag.coarse_px[3]);
       if (tag.hamming > options.max_hamming) continue;
       if (tag.decision_margin < options.min_decision_margin && exposure < 64) continue;
-      // The same tag in a darker copy is already known; another tag with its id is an ambiguity and must be kept.
+      // A tag found in a darker copy is already known; another tag with its id is an ambiguity and must be kept.
       const bool known = std::any_of(found.begin(), found.end(), [&](const TagDetection& f) {
         const double side = (f.coarse_px[1] - f.coarse_px[0]).norm();
         return f.id == tag.id &&

@@ -121,7 +121,7 @@ std::array<Eigen::Vector2d, 4> curved_side_bias_px(const ProjectSide& project_si
   return bias;
 }
 
-/// Fraction of a side that the line fit leaves out at each end, for a family (0.6 module).
+/// Fraction of a side left out of the line fit at each end, for a family (0.6 module).
 double side_skip_fraction(const std::string& family);
 
 }  // namespace burin

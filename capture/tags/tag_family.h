@@ -33,7 +33,7 @@ struct TagPattern {
   int color_at(double x_cells, double y_cells) const;
 };
 
-/// The pattern of tag `id`. Throws Error for an id that the family does not have; `where` names the list of tags.
+/// The pattern of tag `id`. Throws Error for an id outside of the family; `where` names the list of tags.
 TagPattern tag_pattern(const apriltag_family& family, int id, const std::string& where);
 
 /// The pattern by the family's name ("tagStandard41h12", "tag36h11", ...).

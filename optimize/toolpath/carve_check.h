@@ -30,7 +30,7 @@ struct CarveCheckInput {
   std::optional<Bench> bench{};          ///< measured or prior; without one, carved places equal commanded ones
   std::optional<Scratches> scratches{};  ///< as designed: the files must carve these, once each
   std::optional<DesignSpec> design{};    ///< design whose views the scratches must glint for
-  std::optional<HeightMap> heights{};    ///< heights that the files follow, as in ToolpathOptions
+  std::optional<HeightMap> heights{};    ///< heights followed by the files, as in ToolpathOptions
   bool follow_bow = false;
 };
 

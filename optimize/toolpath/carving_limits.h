@@ -31,7 +31,7 @@ namespace burin {
 /// All limits for carving with a machine on a board.
 struct CarvingLimits {
   Eigen::Vector2d min_mm{0, 0}, max_mm{0, 0};  ///< the carve area
-  std::vector<KeepOut> keep_out;               ///< places that reach into the area, the tags' paper included
+  std::vector<KeepOut> keep_out;               ///< places within the area or partly so, the tags' paper included
   MachineLimits machine;
   double width_um = 0;  ///< the tool's
   double depth_um = 0;  ///< of grooves without a depth of their own
@@ -56,7 +56,7 @@ const char* rule_name(Rule rule);
 
 /// Result of a check, with the remedy.
 struct LimitsCheck {
-  std::array<std::size_t, kRules> broken{};  ///< scratches that break each rule
+  std::array<std::size_t, kRules> broken{};  ///< number of scratches in violation of each rule
   std::string first;                         ///< the first in the file: its row and fault
   std::string remedy;
 
@@ -84,7 +84,7 @@ bool confine(Scratches& scratches, std::size_t index, const CarvingLimits& limit
 struct Mended {
   Scratches scratches;                        ///< ends on steps, or on the file's decimals without a step
   std::vector<std::size_t> rows;              ///< rows of the input, one per kept scratch, ascending
-  std::array<std::size_t, kRules> dropped{};  ///< by the rule that they could not obey
+  std::array<std::size_t, kRules> dropped{};  ///< by their unsatisfied rule
   std::vector<std::optional<Rule>> broken;    ///< rule of each dropped scratch of the input
   double moved_mm = 0;                        ///< largest move of an end of a kept scratch
 };

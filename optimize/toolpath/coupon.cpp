@@ -251,7 +251,7 @@ struct Grid {
   std::vector<Spokes> spokes;  // of each cell
 };
 
-// The shortest scratch that is visible and permitted.
+// The shortest visible and permitted scratch.
 double shortest_mm(const MachineProfile& machine) {
   return std::max(kShortestSpoke_mm, machine.limits.shortest_mm + 2 * machine.limits.step_mm);
 }
@@ -271,7 +271,7 @@ std::optional<Spokes> fitting_spokes(const CouponCell& cell, double outer_mm, co
   return spokes;
 }
 
-// Widens default spacings to the need of the grooves; removes a second one that is no longer closer.
+// Widens default spacings to the need of the grooves; removes a second one unless it is still closer.
 void widen_spacings(double outer_mm, const MachineProfile& machine, double tool_width_um,
                     std::vector<CouponCell>& cells) {
   constexpr double kStep = 1.05, kMost_mm = 1.5, kCloserBy = 0.9;

@@ -211,7 +211,7 @@ bool is_lifted(const MachineProfile& machine, const Toolpath& path, std::size_t 
   return is_approached(machine) && path.scratches[i].travel_z_mm > path.kept_z_mm;
 }
 
-/// A comment of Burin's, in lines that the machine accepts. External words enter it by comment_word() alone.
+/// A comment of Burin's, in lines for the machine. External words enter it by comment_word() alone.
 void append_comment(std::string& text, const MachineProfile& machine, const std::string& comment) {
   text += comment_lines(machine, comment);
 }

@@ -1,17 +1,17 @@
 // burin/optimize/toolpath/gcode_line.h - a strict parser for one line of G-code, and escaping of external text for it.
 //
 // The parser is as strict as the strictest controller of its dialect. It rejects:
-// - bytes that are not printable ASCII, and lines that do not fit the controller's buffer;
+// - bytes other than printable ASCII, and lines beyond the controller's buffer;
 // - comments without an end, nested ones, and ones with an effect (LinuxCNC's LOG, PROBEOPEN, PY);
 // - exponents, and numbers with more digits than the controller keeps;
 // - repeated words, unknown codes, two codes of one modal group (NIST RS274/NGC, section 3.4), and words that no code
 // of the line needs.
 //
 // The characters ! ? ~ act at once in grbl, even within comments. Marlin executes one command per line and knows no
-// comments in ( ). Like grbl, the parser drops digits of a number behind the eighth. Codes that grbl 1.1 answers with
-// an error (M7, M62, M67) are rejected unless a profile names them, for grblHAL and FluidNC. So are Marlin's line
-// numbers, which need a checksum. Sources: grbl 1.1 (gcode.c, protocol.c, nuts_bolts.c), LinuxCNC's G-code reference,
-// Marlin 2 (parser.cpp, queue.cpp).
+// comments in ( ). Like grbl, the parser drops digits of a number behind the eighth. The codes M7, M62 and M67, errors
+// of grbl 1.1, are rejected unless a profile names them, for grblHAL and FluidNC. So are Marlin's line numbers, which
+// need a checksum. Sources: grbl 1.1 (gcode.c, protocol.c, nuts_bolts.c), LinuxCNC's G-code reference, Marlin 2
+// (parser.cpp, queue.cpp).
 #pragma once
 
 #include <array>
@@ -64,7 +64,7 @@ struct GcodeHead {
   std::size_t first = 0, last = 0, of = 0;  ///< carved scratches of the file, out of all
 };
 
-/// "part 1 of 3, scratches 1 to 400 of 1200": the comment that read_gcode_head() parses.
+/// "part 1 of 3, scratches 1 to 400 of 1200": the comment for read_gcode_head().
 std::string head_text(const GcodeHead& head);
 
 /// The head of a tool path's file; nothing for other files (a frame, a probing file, another program's).

@@ -153,7 +153,7 @@ void fail_unless_plausible(const HeightMap& map, const std::string& name) {
                (map.z_mm[i] > smooth[i] ? " above" : " below") + " the smooth face round it (more than " +
                um_text(limit_mm) + ")",
            "look for a chip or dust there, clean the sheet and the tool, and probe again");
-  // A step between neighbors shows two sheets or a contact that slipped. The plane's part is subtracted first.
+  // A step between neighbors shows two sheets or a slipped contact. The plane's part is subtracted first.
   for (std::size_t i = 0; i < map.z_mm.size(); ++i)
     for (const std::size_t next : {i + 1, i + map.columns}) {
       const bool along = next == i + 1;

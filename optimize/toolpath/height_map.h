@@ -20,7 +20,7 @@ struct HeightMap {
   std::vector<double> z_mm;       ///< row by row, lowest y first
   std::vector<bool> probed;       ///< the others, under tags and keep-outs, are filled in from their neighborhood
   Eigen::Vector2d zero_mm{0, 0};  ///< place with height 0
-  double drift_mm = 0;            ///< height of that place after the probing
+  double drift_mm = 0;            ///< height of `zero_mm` after the probing
   std::filesystem::path log;      ///< source of the heights
 
   /// Place of point `i`.
@@ -46,12 +46,13 @@ std::vector<double> smooth_heights(const HeightMap& map);
 /// Sets points without a probe to the smooth surface's height, corrected by their neighbors' residuals.
 void fill_in(HeightMap& map);
 
-/// Throws Error naming `name` for implausible heights of a sheet on a machine: a tilted plane, a point above the smooth
-/// face around it, or a step between neighbors (chips, dust, a contact that bounced, another file's numbers).
+/// Throws Error naming `name` for implausible heights of a sheet on a machine. These are a tilted plane, a point off
+/// the smooth face around it, and a step between neighbors. Causes are chips, dust, a bounced contact, or another
+/// file's numbers.
 void fail_unless_plausible(const HeightMap& map, const std::string& name);
 
 /// Reads `heights.json`. Throws Error naming file and field for anything missing, unknown or out of range, and for
-/// implausible heights. Also throws if the face at `zero_mm` is not at 0, or if that place is beyond the grid.
+/// implausible heights. Also throws if the face at `zero_mm` is not at 0, or if `zero_mm` is beyond the grid.
 HeightMap read_heights(const std::filesystem::path& file);
 
 /// Writes `heights.json`, atomically.

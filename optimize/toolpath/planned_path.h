@@ -37,7 +37,7 @@ struct Toolpath {
   double duration_s = 0;                  ///< estimate, with acceleration, for the built-in moves of a scratch
   bool kept_order = false;                ///< the order is that of the given scratches
   bool compensated = false;               ///< a measured map, or a machine's errors, were inverted
-  std::size_t already_carved = 0;         ///< rows of the given scratches that are in the metal and left out
+  std::size_t already_carved = 0;         ///< rows of the given scratches in the metal, left out
   double stepped_mm = 0;                  ///< largest move of an end by the machine's steps
   std::size_t done_before = 0;            ///< finished scratches of the interrupted file
 };

@@ -1,5 +1,5 @@
-// burin/optimize/toolpath/probe.h - probing of the face by the machine that will carve it: G-code with touches on a
-// grid (G38.2), and the controller's log as a height map.
+// burin/optimize/toolpath/probe.h - probing of the face by the carving machine: G-code with touches on a grid (G38.2),
+// and the controller's log as a height map.
 //
 // The file touches the face at the first point of the grid, sets Z zero there (G10 L20 P1), touches every point of the
 // grid, and finally the first one again. At its feed, stopping takes less than half a micrometer. Frame: the machine's
@@ -48,8 +48,7 @@ struct ProbedHeights {
 /// Reads the controller's log of `probe_file` (whose text is `gcode`). In grbl's serial log the [PRB:x,y,z:1] lines
 /// count (machine coordinates, mm); the other kind is the file of LinuxCNC's PROBEOPEN (work coordinates). Lines before
 /// the last complete run are skipped. Throws Error with the line for a log of another kind, with too few points or
-/// failed ones, at other places or in inches. Also throws for an implausible tilt or outlier, and for a zero that
-/// moved.
+/// failed ones, at other places or in inches. Also throws for an implausible tilt or outlier, and for a moved zero.
 ProbedHeights read_probe_log(std::string_view log, const std::filesystem::path& log_file, std::string_view gcode,
                              const std::filesystem::path& probe_file);
 

@@ -26,8 +26,8 @@ std::optional<Unevenness> known_unevenness(const Board& board, const Bench* meas
 /// True if photos measured this bench's groove depth; otherwise the commanded depths stay as before.
 bool depth_is_measured(const Bench& bench);
 
-/// The face that depths follow: the probed one, or the measured bow; even if neither is requested. Throws Error for a
-/// bow without a measurement.
+/// The face that depths follow: the probed one, the measured bow, or an even face if neither is requested. Throws Error
+/// for a bow without a measurement.
 Face face_to_follow(const Board& board, const Bench& bench, const std::optional<HeightMap>& heights, bool follow_bow);
 
 /// Depths of the path, mm.
@@ -36,7 +36,7 @@ struct DepthRange {
 };
 DepthRange depth_range(const Toolpath& path);
 
-/// Depth difference over an uneven face that is not followed, mm: all of it for a fixed Z, the table's response for a
+/// Depth difference over an uneven face without compensation, mm: all of it for a fixed Z, the table's response for a
 /// spring or a drag bit, nothing for a servo.
 double depth_error_mm(const MachineProfile& machine, double depth_mm, double unevenness_mm);
 

@@ -4,9 +4,10 @@
 // dialect (gcode_line.h). It skips codes without motion (M, S, T, G17, G40, G61, G64, G80, G94, ...). G28, G30 and G53
 // go to places unknown to the file.
 //
-// Lines that a controller would misread, or that would make the replay wrong, are errors with the line's number. These
-// are arcs, relative coordinates, changes of units, plane or offsets, unknown codes and words, invalid feeds, too long
-// numbers and lines, bytes other than ASCII, ways outside the machine's travel, and any content behind the end.
+// Lines are errors, with their number, if a controller would misread them or if they would make the replay wrong:
+// - arcs, relative coordinates, changes of units, plane or offsets;
+// - unknown codes and words, invalid feeds, too long numbers and lines, bytes other than ASCII;
+// - ways outside the machine's travel, and any content behind the end.
 //
 // Depths come from Z, from the machine's table if the machine presses (a preload, a servo's S by M3, M4, M67, M68 or
 // M280), and from the face's height if a path follows one. Straight strokes without a lift between them are then one
@@ -35,7 +36,7 @@ namespace burin {
 /// One stroke in the metal: a straight move along the board below its face.
 struct ReplayedScratch {
   Eigen::Vector2d from_mm, to_mm;
-  double depth_mm = 0;         ///< NaN for a head that presses instead of plunging: not in the file
+  double depth_mm = 0;         ///< NaN for a pressing head: not in the file
   std::size_t line = 0;        ///< of the file, from 1: the last line of its stroke
   double depth_spread_mm = 0;  ///< largest deviation from depth_mm, up or down, along the scratch
 };
@@ -60,11 +61,13 @@ struct Replay {
 };
 
 /// Replays a file; `name` is its name in errors. `face` is the followed face; null: an even one. `each_way` is called
-/// for every move of the file, also to home and to places of the machine. Throws Error for lines that cannot be
-/// followed; for a move before units (G20 or G21) and absolute coordinates (G90) are set; for a move along the board
-/// before the tool was lifted or placed; for a rapid move (G0) into or through the metal; for ways in the air that
-/// touch the face; for holes (the tool goes down and up and carves nothing); for an end below the face; and for a beam
-/// or a spindle left on.
+/// for every move of the file, also to home and to places of the machine. Throws Error for:
+/// - lines without a defined effect;
+/// - a move before units (G20 or G21) and absolute coordinates (G90) are set;
+/// - a move along the board before the tool was lifted or placed;
+/// - a rapid move (G0) into or through the metal, and a way in the air in contact with the face;
+/// - holes: the tool goes down and up and carves nothing;
+/// - an end below the face, and a beam or a spindle left on.
 Replay replay_gcode(std::string_view text, const MachineProfile& machine, const std::string& name,
                     const Face* face = nullptr, const std::function<void(const ToolWay&)>& each_way = {});
 
@@ -90,8 +93,8 @@ std::vector<std::ptrdiff_t> find_planned(std::span<const ReplayedScratch> carved
                                          std::span<const PlannedScratch> planned, double tolerance_mm,
                                          double depth_share = 0, double depth_tolerance_mm = 0);
 
-/// Throws Error for a file without an end, if its machine's files have one. Also throws for one of Burin's files that
-/// carves fewer or more scratches than its head names: it was cut off, or joined with another.
+/// Throws Error for a file without an end, if its machine's files have one. Also throws if one of Burin's files carves
+/// fewer or more scratches than its head names: it was cut off, or joined with another.
 void fail_unless_ended(const Replay& replay, const MachineProfile& machine, const std::string& name);
 
 /// Throws Error with the fault unless the check is good.

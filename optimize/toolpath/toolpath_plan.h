@@ -33,8 +33,9 @@ struct ToolpathOptions {
   /// (order_matters), since the board was designed for it.
   std::optional<bool> keep_order{};
   bool follow_bow = false;  ///< depths follow the bench's measured bow: the same sheet, in the position of the photos
-  bool frame = false;  ///< G-code: also a file that moves around the scratches at safe height, to check that they fit
-  double part_s = 0;   ///< split G-code into files of at most about this length; 0: as few files as max_lines allows
+  bool frame =
+      false;          ///< G-code: also a file with a path around the scratches at safe height, for a check of their fit
+  double part_s = 0;  ///< split G-code into files of at most about this length; 0: as few files as max_lines allows
   std::optional<Interruption> after{};  ///< carve only the remainder of this file, in its order
   std::optional<HeightMap> heights{};   ///< of the face on the machine: depths follow it
   std::vector<double> feed_mm_min{};    ///< of each given scratch (a test piece's); empty: the machine's for all
@@ -43,11 +44,11 @@ struct ToolpathOptions {
 /// The rules of a tool path. `measured` may be null.
 CarvingLimits toolpath_limits(const Board& board, const Bench* measured, const MachineProfile& machine);
 
-/// Orders and compensates scratches that are not carved yet. `measured` may be null. Depths count from the followed
-/// face, else from z = 0. Throws Error, with the row, for a scratch that breaks the rules of the board and the machine
-/// (burin/optimize/toolpath/carving_limits.h; judged on the machine's steps), and for compensated ends beyond the
-/// machine's reach. Also throws if nothing is to be carved, if a scratch leaves the height map, and for a depth beyond
-/// the machine's table.
+/// Orders and compensates scratches not carved yet. `measured` may be null. Depths count from the followed face, else
+/// from z = 0. Throws Error, with the row, for a scratch outside of the rules of the board and the machine
+/// (burin/optimize/toolpath/carving_limits.h), judged on the machine's steps. Compensated ends beyond the machine's
+/// reach are an Error too. Also throws if nothing is to be carved, if a scratch leaves the height map, and for a depth
+/// beyond the machine's table.
 Toolpath plan_toolpath(const Scratches& scratches, const Board& board, const Bench* measured,
                        const MachineProfile& machine, const ToolpathOptions& options = {},
                        const Progress& progress = {});
