@@ -21,8 +21,8 @@ struct StoredAs {
 /// A linear photo, 1 being the white level; 1 or 3 channels.
 struct LinearPhoto {
   Image value;
-  std::vector<std::uint8_t>
-      clipped;      ///< width * height: 1 where any channel is at (or near) the white level or unusable
+  /// Pixel mask of width * height: 1 where any channel is at (or near) the white level or unusable
+  std::vector<std::uint8_t> clipped;
   StoredAs stored;  ///< quantization of the file's values
 };
 

@@ -26,8 +26,8 @@ LinearPhoto read_photo(const Photo& photo);
 /// One view under one lamp: all its exposures in one picture.
 struct MergedView {
   std::string view, light;
-  Image
-      value;  ///< linear value / exposure_factor: gain * vignette * radiance. Same scale for all views: never rescaled.
+  /// Linear value / exposure_factor: gain * vignette * radiance. Same scale for all views: never rescaled.
+  Image value;
   Image sigma;                      ///< standard deviation of the noise of each value; infinite where not valid
   std::vector<std::uint8_t> valid;  ///< 0 where no exposure holds the pixel (clipped in all of them)
   int bin = 1;  ///< bin x bin pixels of the photo were averaged into one (rests at its edges dropped)

@@ -33,8 +33,8 @@ constexpr double kSmallTagInView_px = 20;  // the largest families decode from t
 constexpr double kPaperClipped = 0.2;      // of the white cells of a view's tags, in its shortest exposure
 constexpr double kLittleOfFrame = 0.35;
 constexpr double kOneDirection_deg = 20;  // largest angle between two views: seen from one direction only
-constexpr double kTiltForFocal_deg =
-    20;  // nearer to the normal, any focal length fits at some distance, and other faults look like one
+// Nearer to the normal, any focal length fits at some distance, and other faults look like one
+constexpr double kTiltForFocal_deg = 20;
 constexpr double kWrongSize = 0.08;       // print, lens and bow account for a few per cent of a tag's side
 constexpr double kPaperBrightness = 1.4;  // between views, at one tag: lens and paper may account for as much
 

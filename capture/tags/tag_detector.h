@@ -45,9 +45,8 @@ struct TagDetectorOptions {
   double min_decision_margin = 20;
   double half_resolution_above_mpx = 4;  ///< photos with more megapixels are searched at half their resolution
   double min_side_px = 12;               ///< shorter sides cannot be refined
-  double max_shift_px =
-      /// Largest distance of a refined corner of a clean tag from AprilTag's (or 3 % of a side).
-      1.5;
+  /// Largest distance of a refined corner of a clean tag from AprilTag's (or 3 % of a side).
+  double max_shift_px = 1.5;
 };
 
 /// Finds the tags of one family. It owns AprilTag's tables (tens of MB), so use one detector for all photos. Not for

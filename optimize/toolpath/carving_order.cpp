@@ -226,8 +226,8 @@ class Improvement {
     std::mt19937_64 random(1);  // fixed: the same scratches give the same order
     const auto below = [&random](int limit) { return static_cast<int>(random() % static_cast<std::uint64_t>(limit)); };
     const int longest = std::min(50, n / 3 - 1);
-    most_steps_ =
-        std::max(1000, 50'000'000 / n);  // reversing longer runs, and reverting, would cost more than it finds
+    // Reversing longer runs, and reverting, would cost more than it finds
+    most_steps_ = std::max(1000, 50'000'000 / n);
     for (std::size_t k = 0; k < kicks; ++k) {
       if (k % 256 == 0 && stop_ && stop_()) return;
       if (progress && k % 16384 == 0)

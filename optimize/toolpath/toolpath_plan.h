@@ -33,8 +33,8 @@ struct ToolpathOptions {
   /// (order_matters), since the board was designed for it.
   std::optional<bool> keep_order{};
   bool follow_bow = false;  ///< depths follow the bench's measured bow: the same sheet, in the position of the photos
-  bool frame =
-      false;          ///< G-code: also a file with a path around the scratches at safe height, for a check of their fit
+  /// G-code: also a file with a path around the scratches at safe height, for a check of their fit
+  bool frame = false;
   double part_s = 0;  ///< split G-code into files of at most about this length; 0: as few files as max_lines allows
   std::optional<Interruption> after{};  ///< carve only the remainder of this file, in its order
   std::optional<HeightMap> heights{};   ///< of the face on the machine: depths follow it
