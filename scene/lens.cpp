@@ -130,7 +130,8 @@ void project(const Lens& lens, std::span<const Eigen::Vector3d> p_camera, std::s
 
 namespace {
 
-/// Newton's iteration from the undistorted point. Far from a solution its result is arbitrary.
+/// Newton's iteration from the undistorted point. Not a number where it ends beyond the fold of a strong distortion, or
+/// nowhere.
 Eigen::Vector3d inverse(const std::array<double, 12>& k, const Eigen::Vector2d& at) {
   Eigen::Vector2d p = at;
   for (int i = 0; i < 50; ++i) {
@@ -139,6 +140,9 @@ Eigen::Vector3d inverse(const std::array<double, 12>& k, const Eigen::Vector2d& 
     p += step;
     if (!(step.norm() > 1e-15 * (1 + p.norm()))) break;
   }
+  const Eigen::Matrix2d slope = distorted(k, p).by_point;
+  if (!(slope.determinant() > 0 && slope.trace() > 0))
+    return Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
   return p.homogeneous();
 }
 

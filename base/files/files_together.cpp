@@ -85,7 +85,7 @@ bool is_harmless(const Move& m, const fs::path& folder) {
   return !m.former.empty() && m.part.empty() == (m.new_inode == 0) && (m.there() || !m.part.empty());
 }
 
-ino_t number_in(const std::string& text) {
+ino_t inode_in(const std::string& text) {
   ino_t number = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
   return error == std::errc() && end == text.data() + text.size() ? number : 0;
@@ -104,7 +104,7 @@ std::optional<std::vector<Move>> moves_of(const std::string& text, const fs::pat
   std::vector<Move> moves;
   std::set<std::string> names;
   for (std::size_t i = 1; i + 1 < fields.size(); i += 5) {
-    moves.push_back({fields[i], fields[i + 1], fields[i + 2], number_in(fields[i + 3]), number_in(fields[i + 4])});
+    moves.push_back({fields[i], fields[i + 1], fields[i + 2], inode_in(fields[i + 3]), inode_in(fields[i + 4])});
     if (!is_harmless(moves.back(), folder) || !names.insert(fields[i]).second) return std::nullopt;
   }
   return moves;

@@ -16,7 +16,7 @@ namespace {
 constexpr double kOfPixel = 85, kOfScratch = 1300, kProgram = 60e6;
 
 // The number after a name, or the first number of the file.
-std::optional<double> number_in(const char* file, const std::string& name) {
+std::optional<double> figure_in(const char* file, const std::string& name) {
   std::ifstream in(file);
   double number = 0;
   if (name.empty()) return in >> number ? std::optional(number) : std::nullopt;
@@ -38,12 +38,12 @@ std::optional<double> free_bytes() {
   const auto no_more_than = [&free](std::optional<double> bytes) {
     if (bytes) free = std::min(free.value_or(std::numeric_limits<double>::infinity()), std::max(0.0, *bytes));
   };
-  if (const auto system = number_in("/proc/meminfo", "MemAvailable:")) no_more_than(kKiB * *system);
-  if (const auto most = number_in("/sys/fs/cgroup/memory.max", ""))
-    if (const auto used = number_in("/sys/fs/cgroup/memory.current", "")) no_more_than(*most - *used);
+  if (const auto system = figure_in("/proc/meminfo", "MemAvailable:")) no_more_than(kKiB * *system);
+  if (const auto most = figure_in("/sys/fs/cgroup/memory.max", ""))
+    if (const auto used = figure_in("/sys/fs/cgroup/memory.current", "")) no_more_than(*most - *used);
   rlimit own{};
   if (getrlimit(RLIMIT_AS, &own) == 0 && own.rlim_cur != RLIM_INFINITY)
-    if (const auto used = number_in("/proc/self/status", "VmSize:"))
+    if (const auto used = figure_in("/proc/self/status", "VmSize:"))
       no_more_than(static_cast<double>(own.rlim_cur) - kKiB * *used);
   return free;
 }
