@@ -1,5 +1,5 @@
-// burin/render/footprint/boundary_sums.h - the integral of burin/render/footprint/footprint_integral.h as a walk around
-// the footprint's boundary: sums of footprint_core.h's moments. docs/model.md 4.
+// burin/render/footprint/boundary_sums.h - the integral of burin/render/footprint/footprint_integral.h along the
+// footprint's boundary, as sums of footprint_core.h's moments. docs/model.md 4.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,8 +14,8 @@
 
 namespace burin::footprint {
 
-/// The footprint and the scratch's ends in units of wt/2, y measured from `y_ref_mm`: a level inside the scratch and
-/// near the pixel, so that small pixels on long scratches keep their digits.
+/// The footprint and the scratch's ends in units of wt/2, with y relative to `y_ref_mm`. This level lies inside the
+/// scratch and near the pixel, so small pixels on long scratches keep their digits.
 struct ScaledFootprint {
   std::array<double, 4> t, Y;
   double first_end, second_end;
@@ -24,7 +24,7 @@ struct ScaledFootprint {
 };
 
 inline ScaledFootprint scale_footprint(const GrooveSegment& groove, const Quad& corners_mm, double rim) {
-  // Coordinates beyond this are as good as at infinity; clamped so that their products stay finite.
+  // Coordinates beyond this count as infinite. The clamp keeps their products finite.
   constexpr double kFar = 1e60;
   const double scale = 2000 / groove.width_um;
   const auto scaled = [&](double mm) { return std::clamp(mm * scale, -kFar, kFar); };
@@ -52,11 +52,12 @@ struct BoundarySums {
   double value = 0, turn = 0, radial_over_r2 = 0;
   std::array<double, 4> d_t{}, d_Y{};
   double d_first_end = 0, d_second_end = 0;
-  double extent_lo = 0, extent_hi = 0;  // signed length of the footprint along the scratch at t = lo, hi: W times it is
-                                        // the derivative by hi, and minus that by lo
+  // Signed length of the footprint along the scratch at t = lo, hi. Times W it is the derivative by hi, and minus the
+  // derivative by lo.
+  double extent_lo = 0, extent_hi = 0;
 };
 
-/// `mean_moments(t1, t2)` gives footprint::MomentDerivatives of the weight, as means (see footprint_core.h).
+/// `mean_moments(t1, t2)` returns footprint::MomentDerivatives of the weight, as means (see footprint_core.h).
 template <class MeanMoments>
 BoundarySums boundary_sums(const ScaledFootprint& f, const Limits<double>& limits, const MeanMoments& mean_moments) {
   BoundarySums sums;
@@ -73,7 +74,7 @@ BoundarySums boundary_sums(const ScaledFootprint& f, const Limits<double>& limit
       sums.extent_lo += std::copysign(1.0, dt) * clamped(Y1 + place_of_t(limits.lo) * dY);
     }
 
-    // Walk along the edge, from 0 at its first corner to 1 at its second. The part within the limits of t:
+    // Parameter along the edge: 0 at its first corner, 1 at its second. The part within the limits of t:
     const double t_min = std::max(std::min(t1, t2), limits.lo), t_max = std::min(std::max(t1, t2), limits.hi);
     if (t_min > t_max) continue;
     double from = 0, to = 1;
@@ -81,7 +82,7 @@ BoundarySums boundary_sums(const ScaledFootprint& f, const Limits<double>& limit
       from = place_of_t(dt > 0 ? t_min : t_max);
       to = place_of_t(dt > 0 ? t_max : t_min);
     }
-    // Cut where Y passes the scratch's ends: at most three pieces, each below, within or above them.
+    // Cut where Y equals a scratch end: at most three pieces, each below, within or above the ends.
     std::array<double, 4> cuts{from, from, to, to};
     if (dY != 0) {
       const double a = (f.first_end - Y1) / dY, b = (f.second_end - Y1) / dY;
@@ -128,7 +129,7 @@ inline bool is_empty(const GrooveSegment& g) {
   return !(g.width_um > 0 && g.depth_um > 0 && g.alpha > 0 && g.length_mm > 0);
 }
 
-/// Everything for one weight: kDerivatives also fills turn and radial.
+/// All sums for one weight; kDerivatives also computes turn and radial.
 template <bool kDerivatives>
 BoundarySums ndf_sums(const ScaledFootprint& f, const Lobes<double>& lobes, const Limits<double>& limits) {
   return boundary_sums(f, limits, [&](double t1, double t2) {

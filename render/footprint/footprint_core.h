@@ -1,38 +1,39 @@
 // burin/render/footprint/footprint_core.h - moments of the groove's NDF over an interval across the groove, in closed
-// form, with their derivatives. The heart of the footprint integral: written once for double, float and SIMD packets.
+// form, with their derivatives. One implementation serves double, float and SIMD vectors.
 //
-// The question. Across a groove (docs/model.md 2) the slope variable t = 2 x / wt runs over [-T, T], T = groove_rim(),
-// and the normal is n = (-2t, 0, 1 - t^2) / (1 + t^2). In units of wt/2 (t = 2x/wt, Y = 2y/wt, Lam = 2L/wt) the
-// footprint integral is a boundary integral (Green),
+// Problem. Across a groove (docs/model.md 2) the slope variable t = 2 x / wt runs over [-T, T], T = groove_rim(). The
+// normal is n = (-2t, 0, 1 - t^2) / (1 + t^2). In units of wt/2 (t = 2x/wt, Y = 2y/wt, Lam = 2L/wt) the footprint
+// integral is a boundary integral (Green),
 //   Dhat = (wt/2)^2 (alpha^2 / pi) * closed integral of clamp(Y, 0, Lam) W dt,    W(t) = (1 - r^2 (n.h)^2)^-2,
 // with r^2 = 1 - alpha^2, t clamped to [-T, T] and to where n.h > 0. On a piece of an edge where Y is linear in t,
 //   integral of Y W dt = Y(tm) m0 + (dY/dt) m1,
 //   m0 = integral of W dt,   m1 = integral of (t - tm) W dt,   tm = (t1 + t2) / 2 the middle of the piece.
-// moments() gives m0 and m1; moments_with_derivatives() also their derivatives by h and alpha (t1, t2 held).
-// The closed integral of W alone vanishes, so Y may be measured from any level: one near the pixel keeps the digits.
+// moments() returns m0 and m1. moments_with_derivatives() adds their derivatives by h and alpha at fixed t1, t2. The
+// closed integral of W alone is zero, so any level may be the origin of Y. A level near the pixel keeps the digits.
 //
-// Two lobes. With e = r hx, k = r hz, p = 1 + k, q = 1 - k, H^2 = hx^2 + hz^2, s^2 = hy^2 + alpha^2 H^2 (= p q - e^2,
-// but never computed so) and u = r (n.h):
+// Two lobes. Let e = r hx, k = r hz, p = 1 + k, q = 1 - k, H^2 = hx^2 + hz^2, s^2 = hy^2 + alpha^2 H^2 and u = r (n.h).
+// s^2 equals p q - e^2, a form that cancels and is never evaluated. Then
 //   W = (R1^2 + R1 + R2^2 + R2) / 4,   R1 = 1 / (1 - u) = (1 + t^2) / Q1,   R2 = 1 / (1 + u) = (1 + t^2) / Q2,
 //   Q1 = q + 2 e t + p t^2  (the front lobe, the glint's peak),   Q2 = p - 2 e t + q t^2  (the back lobe, smooth).
-// The back lobe is the front lobe at (-e, -k). So one lobe is enough. Let tau = p t + e, N = tau^2 + s^2 = p Q1:
+// The back lobe is the front lobe at (-e, -k), so one implementation is enough. Let tau = p t + e, N = tau^2 + s^2 = p
+// Q1:
 //   R = 1/p + (g - f tau) / N,   g = 2 (1 - s^2/p),   f = 2 e / p.
-// R^2 + R is therefore c0 + sum over j of (a_j + b_j tau) / N^j, j <= 2, by tau^2 = N - s^2.
+// So R^2 + R is c0 + sum over j of (a_j + b_j tau) / N^j, j <= 2, by tau^2 = N - s^2.
 //
-// Derivatives. Two of them span everything that h and alpha can do, and neither cancels; ' is by either, t held:
+// Derivatives. Two directions span all changes of h and alpha, and neither cancels. ' is by either, at fixed t:
 //   turn:    h turns about the groove's axis, d(hx, hz) = (hz, -hx); s stays. u' = -(2 t k + (1 - t^2) e) / (1 + t^2),
 //            R' = R^2 u' = R (e/p - (f s^2 + g tau) / N) for the front lobe, and so for the back lobe at (-e, -k).
 //   radial:  (hx, hz) grows; u' = u. R' = R^2 - R for both lobes, so (R^2 + R)' = 2 R^3 - R^2 - R.
-// From them, W taken as a function of n.h alone (s^2 = p q - e^2):
+// From them, with W as a function of n.h alone (s^2 = p q - e^2):
 //   dW/dhx = (hx radial + hz turn) / H^2,   dW/dhz = (hz radial - hx turn) / H^2,   dW/dalpha = -alpha radial / r^2.
-// `radial_over_r2` is radial / r^2, which stays finite as alpha -> 1. Now j <= 3.
+// `radial_over_r2` is radial / r^2, which stays finite as alpha -> 1. Here j <= 3.
 //
-// How each lobe is integrated without losing digits: burin/render/footprint/footprint_lobe.h.
+// Integration of each lobe without loss of digits: burin/render/footprint/footprint_lobe.h.
 //
-// Packets: T is double, float, or a packet of floats (xsimd::batch): any type with arithmetic, comparisons giving
-// masks, and sqrt, abs, min, max, log1p, select, any found by argument-dependent lookup. Precondition everywhere: h of
-// unit length, 0 < alpha <= 1, |t| <= 1, t1 <= t2, n.h >= 0 on [t1, t2] (front_facing()). Sources: docs/model.md 4.1
-// to 4.22; Shen et al. 2023, Eqn. 8-10.
+// T is double, float or a SIMD vector of floats (xsimd::batch). T needs arithmetic, comparisons with masks as results,
+// and sqrt, abs, min, max, log1p, select, found by argument-dependent lookup. Preconditions of all functions: |h| = 1,
+// 0 < alpha <= 1, |t| <= 1, t1 <= t2, n.h >= 0 on [t1, t2] (front_facing()). Sources: docs/model.md 4.1 to 4.22; Shen
+// et al. 2023, Eqn. 8-10.
 #pragma once
 
 #include <cmath>
@@ -41,7 +42,7 @@
 
 namespace burin::footprint {
 
-/// Everything about one half vector and roughness that the integrals need (see the opening comment).
+/// Quantities of one half vector and roughness for the integrals (see the top comment).
 template <class T>
 struct Lobes {
   T e, k, p, q, s2, s, inv_s;
@@ -65,12 +66,12 @@ template <class T>
   l.H2 = hx * hx + hz * hz;
   l.e = l.r * hx;
   l.k = l.r * hz;
-  // Only for alpha of no surface (below 1e-15, or 1e-9 in float): keeps 1/s^5 finite.
+  // Takes effect only below any real alpha (1e-15, or 1e-9 in float): keeps 1/s^5 finite.
   const T least_s2 = T(sizeof(Scalar) == 8 ? Scalar(1e-60) : Scalar(1e-14));
   l.s2 = max(hy * hy + alpha * alpha * l.H2, least_s2);
   l.inv_s = Arithmetic<T>::inverse_sqrt(l.s2);
   l.s = l.s2 * l.inv_s;
-  // The smaller of p and q would cancel as 1 - |k|; their product is e^2 + s^2.
+  // The smaller of p and q would cancel as 1 - |k|, but their product is e^2 + s^2.
   const T large = T(1) + abs(l.k);
   const T small = (l.e * l.e + l.s2) * Arithmetic<T>::inverse(large);
   const auto up = l.k >= T(0);
@@ -89,8 +90,8 @@ T weight(const Lobes<T>& l, const T& t) {
   return detail::square(a * a / (Q1 * Q2));
 }
 
-/// The part of [-rim, rim] where n.h > 0, `lo` >= `hi` if there is none. One end at most is cut off, since |t| <= 1:
-/// n.h = 0 at t = hz / (hx + H) for hx >= 0 and at t = -hz / (H - hx) otherwise.
+/// The part of [-rim, rim] where n.h > 0; `lo` >= `hi` if it is empty. At most one end is cut off, since |t| <= 1: n.h
+/// = 0 at t = hz / (hx + H) for hx >= 0 and at t = -hz / (H - hx) otherwise.
 template <class T>
 struct Limits {
   T lo, hi;
@@ -108,7 +109,7 @@ Limits<T> front_facing(const T& hx, const T& hz, const T& rim) {
   return {select(right, -rim, max(-rim, -cut)), select(right, min(rim, cut), rim)};
 }
 
-/// The moments of W, of its derivative by `turn`, and of its derivative by `radial` over r^2.
+/// Moments of W, of its derivative by `turn`, and of its derivative by `radial` over r^2.
 template <class T>
 struct MomentDerivatives {
   Moments<T> value, turn, radial_over_r2;
@@ -126,7 +127,7 @@ template <Parts kWhat, bool kMean, class T>
 
 namespace detail {
 
-// Part i of the result is the sum of both lobes' parts i, over 4.
+// Part i of the result is the sum of part i of both lobes, over 4.
 template <Parts kWhat, bool kMean, class T>
 [[gnu::always_inline]] inline LobeMoments<kWhat, T> both_lobes(const Lobes<T>& l, const T& t1, const T& t2) {
   auto m = front_lobe<kWhat, kMean>(l, t1, t2);
@@ -138,14 +139,14 @@ template <Parts kWhat, bool kMean, class T>
   return m;
 }
 
-/// radial's moments over r^2, from those of `radial` itself.
+/// Moments of radial / r^2, from the moments of `radial`.
 template <bool kMean, class T>
 [[gnu::always_inline]] inline Moments<T> radial_over_r2(const Lobes<T>& l, const Moments<T>& radial, const T& t1,
                                                         const T& t2) {
   const T inv_r2 = T(1) / l.r2;
   Moments<T> m{radial.m0 * inv_r2, radial.m1 * inv_r2};
-  // As r -> 0 the two lobes' radial parts cancel and r^2 divides what is left: take the integrand itself there,
-  // radial / r^2 = 4 (n.h)^2 / (1 - u^2)^3. It is smooth: all poles are near t = +- i.
+  // As r -> 0 the radial parts of the lobes cancel, and r^2 divides the rest. So integrate radial / r^2 = 4 (n.h)^2 /
+  // (1 - u^2)^3 directly. It is smooth: all poles are near t = +- i.
   const auto rough = l.r2 < T(0.01f);
   if (any(rough)) {
     LobeMoments<Parts::value, T> direct;
@@ -175,14 +176,14 @@ Moments<T> moments(const Lobes<T>& l, const T& t1, const T& t2) {
   return detail::both_lobes<Parts::value, false>(l, t1, t2).part[0];
 }
 
-/// The same with derivatives by h and alpha.
+/// moments() with derivatives by h and alpha.
 template <class T>
 MomentDerivatives<T> moments_with_derivatives(const Lobes<T>& l, const T& t1, const T& t2) {
   return detail::all_derivatives<false>(l, t1, t2);
 }
 
-/// Means instead of integrals: m0 = mean of W over [t1, t2], m1 = mean of W times the place in [t1, t2], which runs
-/// from -1 to 1. Right in the limit t1 = t2 as well, which edges along the groove need.
+/// Means instead of integrals: m0 = mean of W over [t1, t2], m1 = mean of W times the position in [t1, t2], from -1 to
+/// 1. Valid also in the limit t1 = t2, which edges along the groove need.
 template <class T>
 Moments<T> mean_moments(const Lobes<T>& l, const T& t1, const T& t2) {
   return detail::both_lobes<Parts::value, true>(l, t1, t2).part[0];

@@ -11,7 +11,7 @@ namespace {
 
 using namespace footprint;
 
-// Derivatives that both integrals share: by corners, length, depth, width, from those by t, Y, the ends and the rim.
+// Derivatives by corners, length, depth and width, from those by t, Y, the ends and the rim. Both integrals share them.
 struct SharedGradient {
   std::array<Eigen::Vector2d, 4> corner;
   double length_mm, depth_um, width_um;
@@ -21,7 +21,7 @@ SharedGradient shared_gradient(const GrooveSegment& groove, const ScaledFootprin
                                double d_rim, double rim, double factor) {
   SharedGradient g;
   const double per_mm = factor * 2000 / groove.width_um;
-  // A wider groove: the unit wt/2 grows, so all coordinates in it shrink, and the rim moves as well.
+  // A larger width increases the unit wt/2, so all coordinates in it shrink. The rim moves as well.
   double shrink = f.first_end * sums.d_first_end + f.second_end * sums.d_second_end;
   for (int i = 0; i < 4; ++i) {
     g.corner[i] = per_mm * Eigen::Vector2d(sums.d_t[i], sums.d_Y[i]);
@@ -83,7 +83,7 @@ FootprintGradient footprint_integral_gradient(const GrooveSegment& groove, const
   const double factor = unit_mm2 * alpha * alpha / std::numbers::pi;
   result.value.Dhat_mm2 = std::max(0.0, factor * sums.value);
 
-  // Each limit is the rim or, where the groove turns its back to h, the place where n.h = 0.
+  // Each limit is the rim or, if n.h < 0 there, the root of n.h = 0.
   const bool cut_hi = limits.hi<rim, cut_lo = limits.lo> - rim;
   const double by_hi = sums.extent_hi * weight(lobes, limits.hi);
   const double by_lo = -sums.extent_lo * weight(lobes, limits.lo);
@@ -97,7 +97,7 @@ FootprintGradient footprint_integral_gradient(const GrooveSegment& groove, const
   const double H2 = lobes.H2, H = std::sqrt(H2), radial = lobes.r2 * sums.radial_over_r2;
   Eigen::Vector2d d_xz(h.x() * radial + h.z() * sums.turn, h.z() * radial - h.x() * sums.turn);
   d_xz /= H2;
-  // The cut itself moves: F = -2 t hx + (1 - t^2) hz = 0 there, and dF/dt = -2H at the right cut, 2H at the left one.
+  // The cut itself moves. F = -2 t hx + (1 - t^2) hz = 0 there, and dF/dt = -2H at the right cut, 2H at the left one.
   const auto cut_by_h = [&](double t) -> Eigen::Vector2d { return Eigen::Vector2d(-t, (1 - t * t) / 2) / H; };
   if (cut_hi) d_xz += by_hi * cut_by_h(limits.hi);
   if (cut_lo) d_xz -= by_lo * cut_by_h(limits.lo);

@@ -1,5 +1,4 @@
-// burin/render/footprint/footprint_integral.h - the integral of the groove's NDF over one pixel's footprint, in closed
-// form.
+// burin/render/footprint/footprint_integral.h - closed-form integral of the groove's NDF over one pixel's footprint.
 //
 //   Dhat(h) = integral of D(h, n(x)) dx dy over the footprint cut with { |x| <= w, 0 <= y <= L }        [mm^2]
 //   area    = area of that region                                                                       [mm^2]
@@ -14,7 +13,7 @@
 
 namespace burin {
 
-/// In double: the oracle.
+/// Double-precision reference.
 FootprintValue footprint_integral(const GrooveSegment& groove, const Quad& corners_mm,
                                   const Eigen::Vector3d& h_scratch);
 FootprintGradient footprint_integral_gradient(const GrooveSegment& groove, const Quad& corners_mm,

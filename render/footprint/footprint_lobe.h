@@ -1,11 +1,11 @@
-// burin/render/footprint/footprint_lobe.h - moments of one lobe of the groove's NDF over an interval, closed where that
-// keeps digits. Part of burin/render/footprint/footprint_core.h, whose opening comment holds the variables; include
-// that one.
+// burin/render/footprint/footprint_lobe.h - moments of one lobe of the groove's NDF over an interval, in closed form if
+// it keeps digits. Part of burin/render/footprint/footprint_core.h, whose top comment defines the variables; include
+// that file.
 //
-// R^2 + R and its derivatives are c0 + sum over j of (a_j + b_j tau) / N^j with N = tau^2 + s^2, so all follows from
+// R^2 + R and its derivatives are c0 + sum over j of (a_j + b_j tau) / N^j with N = tau^2 + s^2. So all follow from
 //   J_j = integral of 1 / N^j,   K_j = integral of tau / N^j   over [tau1, tau2],
-// and the first moments from integral of tau^2 / N^j = J_(j-1) - s^2 J_j. Written as differences that do not cancel:
-// with tau = s tan(theta), Delta = theta2 - theta1, Sigma = theta1 + theta2, rho = 1 / sqrt(N1 N2),
+// and the first moments from integral of tau^2 / N^j = J_(j-1) - s^2 J_j. The following differences do not cancel. With
+// tau = s tan(theta), Delta = theta2 - theta1, Sigma = theta1 + theta2, rho = 1 / sqrt(N1 N2),
 //   cos Delta = (s^2 + tau1 tau2) rho,   sin Delta = s (tau2 - tau1) rho,
 //   chi = 1 + cos Sigma = 1 - y,   y = (tau1 tau2 - s^2) rho,   or s^2 (tau1 + tau2)^2 rho^2 / (1 + y) where y > 0,
 //   v = sin Delta / (1 + |cos Delta|) in [0, 1],   2 atan v = Delta, or pi - Delta where cos Delta < 0,
@@ -13,17 +13,18 @@
 //   J2 = (F2 + chi sin Delta) / (2 s^3),                                                F2 = Delta - sin Delta,
 //   J3 = (F3 + chi sin Delta (sin^2(Delta/2) + chi cos(Delta) / 4)) / s^5,
 //                                                         F3 = 3 Delta / 8 - sin(Delta) / 2 + sin(2 Delta) / 16.
-// All terms are of one sign. F2 and F3 vanish as Delta^3 and Delta^5: with atan v = v - v^3/3 + v^5 S(v^2), where S is
-// a polynomial, and x = v^2, for cos Delta >= 0,
+// All terms have one sign. F2 and F3 vanish as Delta^3 and Delta^5. With atan v = v - v^3/3 + v^5 S(v^2), where S is a
+// polynomial, and x = v^2, for cos Delta >= 0,
 //   F2 = 2 v^3 (x S - 1/3 + 1 / (1 + x)),   F3 = v^5 (3/4 S + (1 - x) / (4 (1 + x)^2)),   1 / (1 + x) = cos^2(Delta/2).
-// The odd ones: K1 = log(N2 / N1) / 2 by log1p of |N2 - N1| / min(N1, N2),   K2 = (N2 - N1) / (2 N1 N2),
+// Odd integrals: K1 = log(N2 / N1) / 2 by log1p of |N2 - N1| / min(N1, N2),   K2 = (N2 - N1) / (2 N1 N2),
 //   K3 = K2 (1/N1 + 1/N2) / 2,   N2 - N1 = (tau2 - tau1) (tau1 + tau2).
 //
-// Short intervals, and the back lobe near normal incidence, lie far from the lobe's poles, tau = +- i s, compared with
-// their length. There the first moment of the closed form cancels, and Gauss-Legendre converges at once: let z^2 =
-// (tau_m^2 + s^2) / (half length)^2 with tau_m the middle; n nodes err by (z + sqrt(z^2 - 1))^(-2n) times a factor. In
-// double, z >= 2 goes to 16 nodes. In float the front lobe is closed up to z = 8, where its m1 has lost z roundings,
-// and takes 4 nodes beyond; the back lobe takes 5 nodes from z = 2.5, the closed form below that.
+// Far poles. The lobe's poles are tau = +- i s. Short intervals, and the back lobe near normal incidence, are far from
+// them relative to their length. There the first moment of the closed form cancels, and Gauss-Legendre quadrature
+// converges fast. Let z^2 = (tau_m^2 + s^2) / (half length)^2 with tau_m the middle. n nodes err by (z + sqrt(z^2 -
+// 1))^(-2n) times a factor. In double, z >= 2 uses 16 nodes. In float the front lobe uses the closed form up to z = 8,
+// where its m1 has lost z roundings, and 4 nodes beyond. The back lobe uses 5 nodes from z = 2.5, and the closed form
+// below.
 #pragma once
 
 #include <cmath>
@@ -32,8 +33,8 @@
 
 namespace burin::footprint {
 
-/// Divisions, roots and logarithms of a type. Packets whose machine has estimates that one Newton step makes exact to
-/// rounding do without its slow instructions (burin/render/fast/packet_math.h).
+/// Divisions, roots and logarithms of a type. On machines with estimate instructions, SIMD vectors replace slow
+/// instructions by an estimate and one Newton step, exact to rounding (burin/render/fast/packet_math.h).
 template <class T>
 struct Arithmetic {
   static T inverse(const T& x) { return T(1) / x; }
@@ -47,11 +48,11 @@ struct Arithmetic {
   }
 };
 
-/// What is integrated: W alone; and its derivative by hx (hy, hz held, as when a scratch turns on the face); or W and
-/// its derivatives by turn and radial, which span all.
+/// Integrands: W alone; W and its derivative by hx (hy, hz held, as for a scratch that turns on the face); or W and its
+/// derivatives by turn and radial, which span all others.
 enum class Parts { value, value_and_hx, all };
 
-// The scalar's side of the small set of functions that packets bring with them.
+// Scalar versions of the functions of SIMD vectors.
 inline double select(bool mask, double a, double b) { return mask ? a : b; }
 inline float select(bool mask, float a, float b) { return mask ? a : b; }
 inline bool any(bool mask) { return mask; }
@@ -68,7 +69,7 @@ struct ScalarOf<T> {
   using Type = typename T::value_type;
 };
 
-// S of the opening comment, by Chebyshev interpolation on [0, 1] in 60 digits: error 3e-17 and 9e-8.
+// S of the top comment, by Chebyshev interpolation on [0, 1] in 60 digits: error 3e-17 and 9e-8.
 template <class Scalar>
 inline constexpr Scalar kAtanTail[] = {
     0.199999999999999971,     -0.1428571428571196261,     0.11111111110800308347,    -0.090909090743209898084,
@@ -80,14 +81,14 @@ template <>
 inline constexpr float kAtanTail<float>[] = {0.19999990973f,  -0.14284550739f,  0.11085805587f,  -0.088741501188f,
                                              0.067356314111f, -0.041821829774f, 0.017279097149f, -0.0033530895588f};
 
-// Half of the nodes of a Gauss-Legendre rule on [-1, 1] (the other half mirrored), with their weights over 2: a mean.
+// Half of the nodes of a Gauss-Legendre rule on [-1, 1] (the other half is mirrored), with half their weights: a mean.
 struct Node {
   double x, mean_weight;
 };
 template <std::size_t n>
 struct Rule {
   Node node[n];
-  double middle;  // mean weight of a node at 0, if there is one
+  double middle;  // mean weight of a node at 0, if the rule has one
 };
 inline constexpr Rule<8> kGauss16 = {{{0.98940093499164993260, 0.027152459411754094852 / 2},
                                       {0.94457502307323257608, 0.062253523938647892863 / 2},
@@ -111,7 +112,7 @@ T square(const T& x) {
 
 }  // namespace detail
 
-/// m0 and m1 of the opening comment.
+/// m0 and m1 of footprint_core.h.
 template <class T>
 struct Moments {
   T m0, m1;
@@ -119,8 +120,8 @@ struct Moments {
 
 namespace detail {
 
-// Scales that turn raw sums into moments (or means, see mean_moments). A closed sum is over d tau and
-// (tau - tau_m) d tau; a Gauss sum is a mean over the interval, of 1 and of the place in [-1, 1].
+// Scales from raw sums to moments (or means, see mean_moments). A closed sum is over d tau and (tau - tau_m) d tau. A
+// Gauss sum is a mean over the interval, of 1 and of the position in [-1, 1].
 template <class T>
 struct Scales {
   T zeroth, first;
@@ -160,7 +161,7 @@ template <int kPower, class T>
   const T c = (s2 + product) * rho, sn = s * delta * rho;
   const auto narrow = c >= T(0);
   const T v = sn * Arithmetic<T>::inverse(T(1) + abs(c)), x = v * v;
-  // S(x) as its even and odd terms side by side: half the wait of one long chain.
+  // S(x) as even and odd terms side by side, which halves the latency of one long chain.
   constexpr std::size_t terms = std::size(kAtanTail<Scalar>);
   static_assert(terms % 2 == 0);
   const T x2 = x * x;
@@ -230,7 +231,7 @@ template <class T>
   return g;
 }
 
-// R and what is made of it, for one lobe: R = A + (g - f tau) / N.
+// R and its polynomials for one lobe: R = A + (g - f tau) / N.
 template <class T>
 struct LobeForm {
   T A, g, f, e, s2;
@@ -248,7 +249,7 @@ struct LobeForm {
   }
 };
 
-// Moments of a lobe's value, R^2 + R, and, if asked, of its derivatives: part 1 by hx, or parts 1, 2 by turn and
+// Moments of a lobe's value, R^2 + R, and on request of its derivatives: part 1 by hx, or parts 1, 2 by turn and
 // radial.
 template <Parts kWhat, class T>
 struct LobeMoments {
@@ -309,8 +310,8 @@ template <int kParts, class T, std::size_t n, class Integrand>
   }
 }
 
-// One lobe by Gauss-Legendre. The back lobe's R is at most 1 where n.h >= 0, so its Q may be summed as it stands; so
-// may the front lobe's where p < 1/2 (h far below the face), where its peak is out of reach.
+// One lobe by Gauss-Legendre quadrature. The back lobe's R is at most 1 for n.h >= 0, so a direct sum gives its Q. The
+// same holds for the front lobe if p < 1/2 (h far below the face), since its peak is out of reach.
 template <Parts kWhat, bool kBack, class T, std::size_t n>
 [[gnu::always_inline]] inline LobeMoments<kWhat, T> lobe_gauss(const Rule<n>& rule, const T& p, const T& q, const T& e,
                                                                const T& k, const T& r, const T& s2, const T& t1,
@@ -341,21 +342,21 @@ void blend(LobeMoments<kWhat, T>& to, const LobeMoments<kWhat, T>& from, const a
   }
 }
 
-// Rarely needed, and kept away from the common way: the back lobe near its poles, which low half vectors reach.
-// Rewrites the lanes of `m` that are `near`.
+// Back lobe near its poles, which only low half vectors reach. A separate function, because it is rare. Replaces the
+// lanes of `m` in the mask `near`.
 template <Parts kWhat, bool kMean, class T>
 [[gnu::noinline]] void lobe_back_near(LobeMoments<kWhat, T>& m, const T& p, const T& e, const T& r, const T& s2,
                                       const T& s, const T& inv_s, const T& t1, const T& t2, const auto& near) {
   blend(m, lobe_closed<kWhat>(p, e, r, s2, s, inv_s, t1, t2, closed_scales<kMean>(p, t1, t2)), near);
 }
 
-// Each lane takes what suits its interval, whatever its neighbors take: results do not depend on how work is packed.
+// The method of each lane depends on its interval alone. So results do not depend on the packing of work into vectors.
 template <Parts kWhat, bool kMean, bool kBack, class T>
 [[gnu::always_inline]] inline LobeMoments<kWhat, T> lobe(const T& p, const T& q, const T& e, const T& k, const T& r,
                                                          const T& s2, const T& s, const T& inv_s, const T& t1,
                                                          const T& t2) {
   constexpr bool kFloat = sizeof(typename ScalarOf<T>::Type) == 4;
-  // Poles of the lobe at tau = +- i s, seen from the interval's middle, against its half length.
+  // Distance of the lobe's poles tau = +- i s from the interval's middle, relative to its half length.
   const T tau_m = T(0.5) * p * (t1 + t2) + e, half = T(0.5) * p * (t2 - t1);
   const T poles2 = tau_m * tau_m + s2, half2 = half * half;
   const auto scales = gauss_scales<kMean>(t1, t2);

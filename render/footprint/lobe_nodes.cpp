@@ -7,7 +7,7 @@
 namespace burin {
 namespace {
 
-// Taylor's series up to pi/4, where what follows is below 1e-16.
+// Taylor series up to pi/4, where the remainder is below 1e-16.
 BURIN_INLINED double sine_below_quarter(double y) {
   const double t = y * y;
   return y * (1 + t * (-1. / 6 +

@@ -14,12 +14,12 @@
 namespace burin {
 namespace {
 
-// The derivatives in the order of the table's columns, named as after "dDhat_d" or "darea_d".
+// Derivatives in the order of the table's columns, with the part of the name after "dDhat_d" or "darea_d".
 constexpr std::array<const char*, 15> kDerivatives = {"hx", "hy", "hz", "alpha", "width_um", "depth_um", "L_mm", "x0",
                                                       "y0", "x1", "y1", "x2",    "y2",       "x3",       "y3"};
-constexpr int kFirstAreaDerivative = 4;  // the area knows nothing of h and alpha
+constexpr int kFirstAreaDerivative = 4;  // the area does not depend on h and alpha
 
-/// A row's numbers by the names of their columns.
+/// A row's numbers by column name.
 class Row {
  public:
   explicit Row(const TableReader& table) : table_(table) {}
@@ -36,7 +36,7 @@ class Row {
   const TableReader& table_;
 };
 
-// The derivatives of a gradient by place in kDerivatives, so that reading, comparing and printing are loops.
+// Derivatives of a gradient by index into kDerivatives, so reading, comparison and printing are loops.
 double derivative(const FootprintGradient& g, int i, bool of_area) {
   switch (i) {
     case 0:
@@ -117,7 +117,7 @@ NdfCase read_case(const Row& row, std::size_t index) {
   return c;
 }
 
-// Worst difference of two gradients over the largest derivative of `expected`; names its column in `worst`.
+// Worst difference of two gradients over the largest derivative of `expected`. Sets `worst` to the name of its column.
 double gradient_error(const FootprintGradient& computed, const FootprintGradient& expected, const Eigen::Vector3d& h,
                       bool of_area, std::string& worst) {
   const auto tangential = [&](const Eigen::Vector3d& g) -> Eigen::Vector3d { return g - g.dot(h) * h; };

@@ -15,7 +15,7 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 using Shape = ProfileBand::Shape;
 
-// The NDF on a wall that leans by an angle (its sine and cosine), with its derivatives: docs/model.md 3.7.
+// The NDF on a wall of a given lean (as sine and cosine), with its derivatives: docs/model.md 3.7.
 struct PointLight {
   double D, by_alpha;
   Vector3d by_h;
@@ -34,7 +34,7 @@ PointLight point_light(const Vector3d& h, double sine, double cosine, double alp
   return out;
 }
 
-// dx / d(lean) of a band's shape, but for a factor; and its integral.
+// dx / d(lean) of a band's shape up to a factor, and its integral.
 double density(Shape shape, double cosine) {
   return shape == Shape::circle ? cosine : shape == Shape::paper ? 1 / (1 + cosine) : 1 / (cosine * cosine);
 }
@@ -49,7 +49,7 @@ double density_integral(const ProfileBand& band) {
 constexpr std::array<double, 4> kNode{0.1834346424956498, 0.5255324099163290, 0.7966664774136267, 0.9602898564975363};
 constexpr std::array<double, 4> kWeight{0.3626837833783620, 0.3137066458778873, 0.2223810344533745, 0.1012285362903763};
 
-// A footprint cut with a groove's length: a convex polygon, each side with what it lies on.
+// A footprint cut with a groove's length: a convex polygon. Each side knows the line that it is part of.
 enum Side : int { kQuadSides = 4, kFirstEnd = 4, kSecondEnd };
 struct Corner {
   Vector2d p;
@@ -63,7 +63,7 @@ struct Polygon {
   }
 };
 
-// What of a polygon lies where sign (p[axis] - at) >= 0; the new side is `side`.
+// Part of a polygon with sign (p[axis] - at) >= 0; the new side is `side`.
 Polygon clipped(const Polygon& in, int axis, double at, double sign, int side) {
   Polygon out;
   for (int i = 0; i < in.count; ++i) {
@@ -78,7 +78,7 @@ Polygon clipped(const Polygon& in, int axis, double at, double sign, int side) {
   return out;
 }
 
-// The quadrilateral, counter-clockwise, cut with the groove's length. `order[i]`: the given corner that corner i was.
+// The quadrilateral, counter-clockwise, cut with the groove's length. `order[i]`: index of corner i in the input.
 struct Cut {
   Quad quad;
   std::array<int, 4> order{0, 1, 2, 3};
@@ -107,20 +107,20 @@ Cut cut_to_length(const Quad& corners, double length_mm) {
   return out;
 }
 
-// Of one quantity that is even over each band: its integral over a polygon, by the corners of the footprint that lie on
-// its sides, and by the groove's length.
+// Derivatives of the integral over a polygon of a quantity that is constant per band. They are by the footprint's
+// corners, through its sides, and by the groove's length.
 struct SideSums {
   std::array<Vector2d, 4> by_corner{Vector2d::Zero(), Vector2d::Zero(), Vector2d::Zero(), Vector2d::Zero()};
   double by_length = 0;
 };
 
-// What a band takes of a polygon: its area there, and how long the polygon is along the groove at its two edges.
+// A band's area in a polygon, and the polygon's length along the groove at the band's two edges.
 struct BandShare {
   double area = 0, at_from = 0, at_to = 0;
 };
 
-// Walks around the polygon, band by band: fills `shares` (Green's theorem: minus the integral of y dx), and what moving
-// a side outwards brings of area and of light, each band's own.
+// Walks around the polygon, band by band, and fills `shares` (Green's theorem: minus the integral of y dx). Also adds
+// the changes of area and light, band by band, as a side moves outwards.
 void walk(const Cut& cut, std::span<const ProfileBand> bands, std::span<const double> light,
           std::span<BandShare> shares, SideSums& by_area, SideSums& by_light) {
   const double y0 = cut.polygon.corner[0].p.y();
@@ -146,7 +146,7 @@ void walk(const Cut& cut, std::span<const ProfileBand> bands, std::span<const do
       share.area -= way * (x2 - x1) * 0.5 * (y1 + y2);
       if (from >= left && from < right) share.at_from -= way * y1;
       if (to >= left && to < right) share.at_to -= way * y2;
-      const Vector2d outwards = way * Vector2d(y2 - y1, x1 - x2);  // times the part's length
+      const Vector2d outwards = way * Vector2d(y2 - y1, x1 - x2);  // times the length of the part
       if (corner.side == kSecondEnd) {
         by_area.by_length += outwards.y();
         by_light.by_length += light[k] * outwards.y();
@@ -163,7 +163,7 @@ void walk(const Cut& cut, std::span<const ProfileBand> bands, std::span<const do
   }
 }
 
-// The NDF along a groove's section, as docs/model.md 4.25 has it: tan(lean - lean of h) = s tan(psi).
+// The NDF along a groove's section, after docs/model.md 4.25: tan(lean - lean of h) = s tan(psi).
 struct SectionLobe {
   double H, along2, across, C, s, sine_h, cosine_h;
 
@@ -176,12 +176,12 @@ struct SectionLobe {
     cosine_h = h.z() / H;
   }
   bool dark() const { return !(H > 1e-12); }
-  // Of a lean's sine and cosine; what leans away from the light by a right angle or more is dark.
+  // From a lean's sine and cosine. Walls that lean away from the light by a right angle or more are dark.
   double psi(double sine, double cosine) const {
     const double away = sine * cosine_h - cosine * sine_h, towards = cosine * cosine_h + sine * sine_h;
     return towards > 1e-9 ? std::atan(away / (s * towards)) : std::copysign(std::numbers::pi / 2, away);
   }
-  // From the sum over the nodes to the mean over a band.
+  // Factor from the sum over the nodes to the mean over a band.
   double factor(double half_psi, double whole) const {
     return half_psi * s * along2 / (std::numbers::pi * across * C * C) / whole;
   }
@@ -189,14 +189,14 @@ struct SectionLobe {
 
 constexpr int kNodes = 8;
 
-// psi at a band's nodes; returns half of what they span.
+// psi at a band's nodes; returns half of their span.
 double fill_nodes(double psi_from, double psi_to, double* psi) {
   const double middle = (psi_from + psi_to) / 2, half = (psi_to - psi_from) / 2;
   for (int k = 0; k < kNodes; ++k) psi[k] = middle + (k < 4 ? kNode[k] : -kNode[k - 4]) * half;
   return half;
 }
 
-// The light of several bands together: what of it is packets runs by packets.
+// Light of several bands together, so SIMD vectors serve all of them.
 struct BandSum {
   static constexpr int kMost = 12;
   const SectionLobe& lobe;
@@ -226,7 +226,7 @@ struct BandSum {
   }
 };
 
-// Of a polygon, what lies left of x: minus the integral of y dx around it, where the side at x adds nothing.
+// Area of a polygon left of x: minus the integral of y dx around it; the side at x adds nothing.
 double area_left_of(double x, const Polygon& polygon) {
   const double y0 = polygon.corner[0].p.y();
   double area = 0;
@@ -256,7 +256,7 @@ void each_area(const Cut& cut, std::span<const ProfileBand> bands, const Visit& 
   }
 }
 
-// Of all bands of a section, one after the other: what band_light() finds for each.
+// band_light() of all bands of a section, in order.
 struct BandLights {
   std::vector<double> value, by_hx, by_hy, by_hz, by_alpha;
   std::vector<double> by_depth;  // through the leans of a band's ends, um^-1
@@ -297,7 +297,7 @@ BandLight band_light(const ProfileBand& band, const Vector3d& h, double alpha, d
                factor = lobe.factor(half, whole);
   lobe_nodes(kNodes, psi.data(), lobe.s, lobe.sine_h, lobe.cosine_h,
              {r2.data(), cos_lean.data(), cos_away.data(), sin_away.data()});
-  // By h as the lobe's own frame has it: Q = m^2 across2 + y^2 along2 + n^2, m and n along the wall and out of it.
+  // By h in the lobe's own frame: Q = m^2 across2 + y^2 along2 + n^2, with m along the wall and n out of it.
   const double along2 = lobe.along2, across2 = along2 / (across * across), y2 = h.y() * h.y() * along2;
   Vector2d by_h(0, 0);
   double by_Q = 0;
@@ -392,7 +392,7 @@ FootprintGradient profile_integral_gradient(const GrooveSegment& groove, std::sp
                                             double across, const Quad& corners_mm, const Vector3d& h_scratch) {
   const Vector3d h = h_scratch.normalized();
   const Cut cut = cut_to_length(corners_mm, groove.length_mm);
-  thread_local BandLights lights;  // its memory: this is asked for each pixel of each groove
+  thread_local BandLights lights;  // buffers of the thread, because the caller runs per pixel and groove
   lights.resize(bands.size());
   for (std::size_t k = 0; k < bands.size() && cut.polygon.count >= 3; ++k)
     if (1e-3 * bands[k].to_um > cut.left && 1e-3 * bands[k].from_um < cut.right)

@@ -1,10 +1,10 @@
-// burin/render/footprint/profile_integral.h - the footprint integral of a groove whose cross-section is given in bands
-// (groove_profile.h): what footprint_integral.h is to the paper's. docs/model.md 4.24 to 4.26.
+// burin/render/footprint/profile_integral.h - footprint integral of a groove with a cross-section in bands
+// (groove_profile.h). footprint_integral.h is its counterpart for the paper's section. docs/model.md 4.24 to 4.26.
 //
 //   Dhat = sum over bands of (area of the band within the footprint) * (mean of the NDF over the band)
 //
-// The areas are exact, the means good to 1e-6 of the band's peak; where a footprint's edge runs along the groove within
-// a band, light is taken as even over the band, some micrometers.
+// The areas are exact; the means have an error of 1e-6 of the band's peak. If a footprint's edge runs along the groove
+// within a band, light counts as even over the band, which is some micrometers wide.
 #pragma once
 
 #include <Eigen/Core>
@@ -21,10 +21,10 @@ struct BandLight {
   Eigen::Vector3d by_h{0, 0, 0};
 };
 
-/// `h`: unit, scratch frame; `alpha` along the groove, `across` times as rough across it.
+/// `h`: unit vector, scratch frame. `alpha`: roughness along the groove; `across` times `alpha`: roughness across it.
 BandLight band_light(const ProfileBand& band, const Eigen::Vector3d& h, double alpha, double across);
 
-/// As footprint_integral(): `groove` gives alpha and length; the cross-section is that of `bands`.
+/// As footprint_integral(): `groove` gives alpha and length; `bands` give the cross-section.
 FootprintValue profile_integral(const GrooveSegment& groove, std::span<const ProfileBand> bands, double across,
                                 const Quad& corners_mm, const Eigen::Vector3d& h_scratch);
 /// As footprint_integral_gradient().
