@@ -1,6 +1,6 @@
-// burin/render/brdf.h - the terms of the scratch BRDF around the footprint integral, and the lamp. docs/model.md 3
-// and 5. Directions are unit vectors in the board frame, pointing away from the face; cosines are with the face's
-// normal. Templated on the scalar: double, float, Ceres Jets.
+// burin/render/brdf.h - factors of the scratch BRDF around the footprint integral, and the lamp. docs/model.md 3 and 5.
+// Directions are unit vectors in the board frame and point away from the face. Cosines refer to the face's normal. T is
+// the scalar: double, float or a Ceres Jet.
 #pragma once
 
 #include <cmath>
@@ -8,9 +8,9 @@
 
 namespace burin {
 
-/// GGX normal distribution D for the cosine between half vector and (groove) normal; 0 where that is not positive.
+/// GGX normal distribution D for the cosine between half vector and (groove) normal; 0 if the cosine is not positive.
 /// docs/model.md 3.1 (paper, Eqn. 6-7): alpha^2 / (pi ((n.h)^2 (alpha^2 - 1) + 1)^2). The supplement's Eqn. 6 prints
-/// h_x where h_z is meant.
+/// h_x in place of h_z.
 template <typename T>
 T ggx_D(const T& cos_nh, const T& alpha) {
   if (!(cos_nh > T(0))) return T(0);

@@ -13,7 +13,7 @@ namespace burin {
 struct LampView::Data {
   KernelMode with_jacobian = KernelMode::material;
   std::unique_ptr<FastView> fast;
-  // Of a point of the lamp.
+  // One point of the lamp.
   struct Exact {
     ViewScene scene;
     PixelIndex index;
@@ -30,7 +30,7 @@ LampView::LampView(const ViewScene& scene, const RenderOptions& options, std::sh
     : data_(std::make_unique<Data>()) {
   check_view(scene, options.channels);
   data_->with_jacobian = options.material_gradients ? KernelMode::material : KernelMode::ends;
-  if (!options.use_double) {  // it keeps what it needs of the scene, in float
+  if (!options.use_double) {  // the fast path copies its part of the scene in float
     data_->fast = std::make_unique<FastView>(scene, options.channels, options.material_gradients, options.simd,
                                              workspace != nullptr ? std::move(workspace) : make_render_workspace());
     if (data_->fast->is_smooth()) return;
@@ -38,7 +38,7 @@ LampView::LampView(const ViewScene& scene, const RenderOptions& options, std::sh
   }
   for (ScenePart& part : scene_parts(scene)) {
     part.scene.light.intensity *= part.share;
-    if (!data_->exact.empty()) part.scene.ambient.setZero();  // it counts once
+    if (!data_->exact.empty()) part.scene.ambient.setZero();  // ambient light counts once
     data_->exact.push_back(std::make_unique<Data::Exact>(std::move(part.scene), options));
   }
 }

@@ -1,5 +1,5 @@
-// burin/render/lamp_view.h - one view under one lamp, whichever way renders it: in float packets, or pair by pair
-// in double. docs/model.md 5, 8. Made and used by ViewRenderer and, for each of its lamps, by LightsView.
+// burin/render/lamp_view.h - one view under one lamp, rendered in float SIMD vectors or pair by pair in double.
+// docs/model.md 5, 8. ViewRenderer owns one; LightsView owns one per lamp.
 #pragma once
 
 #include <cstddef>
@@ -13,20 +13,20 @@
 
 namespace burin {
 
-/// What ViewRenderer does, under a light that is a lone lamp; with an area only where takes_area().
+/// ViewRenderer's work under a single lamp. The lamp may have an area only if takes_area().
 class LampView {
  public:
-  /// Whether a lamp with an area is taken as it is: where the paper's grooves are in float it is points.
+  /// Whether the renderer integrates an area light itself. For the paper's grooves in float, points replace the area.
   static bool takes_area(const ViewScene& scene, const RenderOptions& options) {
     return !options.use_double && !scene.material.profile.is_paper();
   }
-  /// Without a `workspace` it has one of its own. Throws Error as check_view() does.
+  /// Without a `workspace` the view owns one. Throws Error as check_view() does.
   LampView(const ViewScene& scene, const RenderOptions& options, std::shared_ptr<RenderWorkspace> workspace);
   ~LampView();
   LampView(const LampView&) = delete;
   LampView& operator=(const LampView&) = delete;
 
-  /// `scratches` must have passed check_scratches(). With `keep_jacobian` for backward().
+  /// `scratches` must have passed check_scratches(). `keep_jacobian` permits backward().
   void forward(const Scratches& scratches, bool keep_jacobian, Image& radiance);
   void backward(const Image& dE_dradiance, ScratchGradients& gradients) const;
   void add_contributions(std::vector<double>& contribution) const;

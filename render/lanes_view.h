@@ -1,13 +1,13 @@
 // burin/render/lanes_view.h - one view under one lamp of grooves that cut one another, lane by lane. Frame: board, mm.
 // docs/model.md 8.8.
 //
-// A lane that is seen is a line of light: so much a millimeter, which follows from the half vector and the lean of the
-// wall, and changes smoothly along the groove whatever its cross-section and the lamp's area. A pixel gets of each lane
-// the length of its chord, less what other grooves take of it. So light is found once a groove and not once a pixel,
-// and a view costs as much as its lanes have chords.
+// A visible lane is a line of light. Its light per millimeter follows from the half vector and the lean of the wall.
+// Along the groove it changes smoothly, for any cross-section and any area of the lamp. A pixel gets from each lane the
+// length of its chord, less the part that other grooves remove. So light is computed per groove and not per pixel, and
+// the cost of a view is proportional to the number of chords.
 //
-// Moving a pixel's edge outwards by a little adds that times the light that crosses it: all derivatives by place follow
-// from one sum for each edge, and its first moment along the edge.
+// A small outward shift of a pixel's edge adds the shift times the light across the edge. So all derivatives by
+// position follow from one sum per edge and its first moment along the edge.
 #pragma once
 
 #include <cstddef>
@@ -24,10 +24,10 @@
 
 namespace burin {
 
-/// Whether lanes serve a scene: one near lamp, and a face that is no mesh.
+/// Whether lanes can render a scene: it needs one near lamp and a face without a mesh.
 bool takes_lanes(const ViewScene& scene);
 
-/// Grooves, and what is left of them.
+/// Grooves and their visible lanes.
 struct LanedGrooves {
   const Scratches& grooves;
   const VisibleLanes& lanes;
@@ -35,7 +35,7 @@ struct LanedGrooves {
 
 class LanesView {
  public:
-  /// `scene` must have passed check_view() and takes_lanes(); it may go.
+  /// `scene` must have passed check_view() and takes_lanes(). The object keeps no reference to it.
   LanesView(const ViewScene& scene, int channels);
   ~LanesView();
   LanesView(const LanesView&) = delete;
@@ -43,14 +43,15 @@ class LanesView {
 
   /// Radiance of every pixel; `keep_slopes` for backward().
   void forward(const LanedGrooves& of, bool keep_slopes, Image& radiance);
-  /// The gradient for the grooves of the last forward(), which kept its slopes, and which must be given again: by their
-  /// ends, depth and alpha, not by their width. What others cut of them is held.
+  /// Gradient for the grooves of the last forward(), by their ends, depth and alpha, but not by width. `of` must be
+  /// those grooves, and that forward() must have kept its slopes. The parts that other grooves cut off stay fixed.
   void backward(const LanedGrooves& of, const Image& dE_dradiance, ScratchGradients& gradients) const;
   /// As ViewRenderer::add_contributions().
   void add_contributions(const LanedGrooves& of, std::vector<double>& contribution) const;
-  /// What the grooves of each pixel add up to, with all slopes but that by width. Of a point lamp.
+  /// Sums over the grooves of each pixel with all derivatives except the one by width. Requires a point lamp.
   void find_slopes(const LanedGrooves& of);
-  /// Of one pixel, after find_slopes(): `p` is that pixel's, lit and seen, and so are its footprint's corners and area.
+  /// Sums of one pixel, after find_slopes(). `p` is the shading of this pixel, which is lit and visible. The corners
+  /// and area are those of its footprint.
   GrooveSums sums_of(std::size_t pixel, const PixelShading& p, const std::array<Eigen::Vector2d, 4>& corners_mm,
                      double area_mm2) const;
   /// Chords of the last forward().

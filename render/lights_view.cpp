@@ -15,11 +15,11 @@ namespace {
 
 double wider_alpha(double alpha, double wider) { return std::min(1.0, std::sqrt(alpha * alpha + wider)); }
 
-// Views of several lamps are kept up to so much; beyond it they are made anew each time.
+// Views of several lamps are kept up to this size. Larger ones are created for each use.
 constexpr std::size_t kMostKept_bytes = 400'000'000;
 
-// What hides the k-th of `count` lights: the scene's flags, which follow one another light by light. One picture's
-// flags beside several lights are nobody's.
+// Hidden pixels of the k-th of `count` lights: the scene's flags, light after light. Flags of one picture do not apply
+// to several lights.
 std::vector<std::uint8_t> hidden_from(const ViewScene& scene, std::size_t k, std::size_t count) {
   const std::vector<std::uint8_t>& all = scene.hidden_from_light;
   if (count == 1) return all;
@@ -50,9 +50,9 @@ LightsView::LightsView(const ViewScene& scene, const RenderOptions& options, std
   std::vector<Light> all{scene.light};
   all.insert(all.end(), scene.light.also.begin(), scene.light.also.end());
   all.front().also.clear();
-  // Tables of a lamp with an area take a second, and then cost less than its points: they are for views that are
-  // rendered again and again, which have a workspace in common and move ends alone.
-  // They know no direction of grooves but the board's own, so meshes with their own go by points.
+  // Tables of an area light take a second to build and then cost less than its points. So they serve views that are
+  // rendered repeatedly with moving ends: these share a workspace. Tables assume the board's directions of grooves, so
+  // meshes with their own directions use points.
   const bool takes_area = LampView::takes_area(scene, options);
   const bool often =
       shares_workspace && !options.material_gradients && !options.use_double && scene.grid->x_axis.empty();
@@ -60,7 +60,7 @@ LightsView::LightsView(const ViewScene& scene, const RenderOptions& options, std
     return l.far == nullptr ? l.size.is_point() || takes_area || !often : l.far->is_sun();
   };
   const auto add = [&](ViewScene own, double wider) {
-    if (!lamps_.empty()) own.ambient.setZero();  // it counts once
+    if (!lamps_.empty()) own.ambient.setZero();  // ambient light counts once
     lamps_.push_back({std::move(own), wider, nullptr});
   };
   for (std::size_t k = 0; k < all.size(); ++k) {
@@ -92,13 +92,14 @@ LightsView::LightsView(const ViewScene& scene, const RenderOptions& options, std
   for (std::size_t k = 0; k < all.size(); ++k) {
     const Light& light = all[k];
     if (near(light)) continue;
-    // What hides a lamp does not hide what shines from all sides.
+    // Occluders of a lamp do not hide an environment map.
     std::vector<std::uint8_t> hidden;
     if (light.far == nullptr) hidden = hidden_from(scene, k, all.size());
     surroundings_.push_back(
         std::make_unique<SurroundingsView>(scene_under(scene, light, std::move(hidden)), light, options, workspace_));
   }
-  // A view keeps some 25 bytes a pixel, each channel more 4; in double ten times as much, and each its own Jacobian.
+  // A view keeps about 25 bytes per pixel, plus 4 per further channel; in double ten times as much and its own
+  // Jacobian.
   const std::size_t bytes = lamps_.size() * static_cast<std::size_t>(width_) * height_ * (21 + 4 * options.channels);
   if (lamps_.size() > 1 && (options.use_double || bytes > kMostKept_bytes)) return;
   for (Lamp& lamp : lamps_) {
@@ -109,7 +110,7 @@ LightsView::LightsView(const ViewScene& scene, const RenderOptions& options, std
 
 LampView& LightsView::view_of(const Lamp& lamp, std::unique_ptr<LampView>& made) const {
   if (lamp.view) return *lamp.view;
-  made.reset();  // at most one at a time: each is large
+  made.reset();  // one at a time, because each is large
   made = std::make_unique<LampView>(lamp.scene, options_, workspace_);
   return *made;
 }
@@ -134,12 +135,12 @@ Scratches LightsView::under(const Lamp& lamp) const {
 void LightsView::forward(const Scratches& scratches, bool keep_jacobian, Image& radiance) {
   last_ = scratches;
   last_has_jacobian_ = keep_jacobian;
-  bool is_first = true;  // of several, the first is rendered where the sum will be
+  bool is_first = true;  // the first of several lights renders into the sum itself
   std::unique_ptr<LampView> made;
   for (std::size_t k = 0; k < lamps_.size(); ++k) {
     LampView& view = view_of(lamps_[k], made);
     Image& to = is_first ? radiance : one_;
-    // One workspace holds one Jacobian: that of what comes last.
+    // One workspace holds one Jacobian: that of the last light.
     view.forward(under(lamps_[k]), keep_jacobian && k + 1 == lamps_.size() && surroundings_.empty(), to);
     if (!is_first)
       for (std::size_t i = 0; i < radiance.data.size(); ++i) radiance.data[i] += one_.data[i];
@@ -167,7 +168,7 @@ void LightsView::narrow(const Lamp& lamp, const ScratchGradients& before, Scratc
 }
 
 void LightsView::backward(const Image& dE_dradiance, ScratchGradients& gradients) const {
-  for (std::size_t k = surroundings_.size(); k-- > 0;)  // the last one's Jacobian is there still
+  for (std::size_t k = surroundings_.size(); k-- > 0;)  // the last one's Jacobian is still valid
     surroundings_[k]->backward(last_, dE_dradiance, gradients);
   std::unique_ptr<LampView> made;
   for (std::size_t k = lamps_.size(); k-- > 0;) {
@@ -184,7 +185,7 @@ void LightsView::backward(const Image& dE_dradiance, ScratchGradients& gradients
 
 void LightsView::add_contributions(std::vector<double>& contribution) const {
   std::unique_ptr<LampView> made;
-  last_has_jacobian_ = false;  // what follows is rendered in its place
+  last_has_jacobian_ = false;  // the renderings below replace it
   for (const auto& one : surroundings_) one->add_contributions(last_, contribution);
   for (std::size_t k = 0; k < lamps_.size(); ++k) {
     LampView& view = view_of(lamps_[k], made);

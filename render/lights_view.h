@@ -1,5 +1,5 @@
-// burin/render/lights_view.h - one view under the sun, under surroundings, under a lamp with an area, or under several
-// lights at once: the sum of what each sends. docs/model.md 5.5, 10. Made and used by ViewRenderer.
+// burin/render/lights_view.h - one view under the sun, an environment map, an area light or several lights: the sum of
+// their contributions. docs/model.md 5.5, 10. ViewRenderer owns and uses it.
 #pragma once
 
 #include <cstddef>
@@ -15,12 +15,14 @@
 
 namespace burin {
 
-/// What ViewRenderer does, light by light in one workspace. The sun is a lamp far away under which grooves are a little
-/// rougher (docs/model.md 10.4); a lamp with an area is a lamp for each point that stands for it (scene_parts.h), or
-/// tabulated as surroundings are, or taken as it is where grooves are not the paper's. Going back renders all but the
-/// last once more. Hidden pixels (ViewScene::hidden_from_light) are those of a lone lamp or, where there are so many,
-/// of each light in turn (`light`, then its `also`). Otherwise several lights shine on all of them, and so do the sky
-/// and other surroundings always.
+/// ViewRenderer's work, light by light in one workspace.
+/// - The sun is a distant lamp that makes grooves slightly rougher (docs/model.md 10.4).
+/// - An area light becomes a set of point lamps (scene_parts.h), a table like an environment map, or, for grooves other
+/// than the paper's, an area integral in the renderer.
+/// - backward() renders every lamp except the last once more.
+/// - Hidden pixels (ViewScene::hidden_from_light) belong to a single lamp, or to each light in order (`light`, then its
+/// `also`) if their number is large enough. Otherwise several lights reach all pixels. The sky and other environment
+/// maps always reach all pixels.
 class LightsView {
  public:
   LightsView(const ViewScene& scene, const RenderOptions& options, std::shared_ptr<RenderWorkspace> workspace);
@@ -31,17 +33,17 @@ class LightsView {
   std::size_t pair_count() const { return pair_count_; }
 
  private:
-  /// A point lamp, or the sun: alpha^2 grows by `wider` under it. `view` is kept, or made anew each time of `scene`.
+  /// A point lamp, or the sun, under which alpha^2 grows by `wider`. `view` is kept, or made from `scene` for each use.
   struct Lamp {
     ViewScene scene;
     double wider = 0;
     std::unique_ptr<LampView> view;
   };
   LampView& view_of(const Lamp& lamp, std::unique_ptr<LampView>& made) const;
-  /// The view of lamp k, in which the last forward()'s Jacobian lies.
+  /// The view of lamp k with the Jacobian of the last forward().
   LampView& with_jacobian(std::size_t k, std::unique_ptr<LampView>& made) const;
   Scratches under(const Lamp& lamp) const;
-  /// What `gradients` got more since `before`, from the wider roughness to the groove's own.
+  /// Scales the increase of `gradients` over `before` from the wider roughness to the groove's own.
   void narrow(const Lamp& lamp, const ScratchGradients& before, ScratchGradients& gradients) const;
 
   std::vector<Lamp> lamps_;
@@ -49,8 +51,8 @@ class LightsView {
   RenderOptions options_;
   std::shared_ptr<RenderWorkspace> workspace_;
   Scratches last_;
-  Image one_;                               // of what is added to others; kept for the next time
-  mutable bool last_has_jacobian_ = false;  // whether the last lamp's, of forward(), is in the workspace still
+  Image one_;                               // light of one part, kept as a buffer
+  mutable bool last_has_jacobian_ = false;  // the workspace still holds the last lamp's Jacobian
   Material material_;
   int width_ = 0, height_ = 0;
   std::size_t pair_count_ = 0;

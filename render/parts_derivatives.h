@@ -1,4 +1,4 @@
-// burin/render/parts_derivatives.h - light and derivatives of a lamp with an area, from those of its points.
+// burin/render/parts_derivatives.h - light of an area light and its derivatives, from those of its points.
 // docs/model.md 5.5.
 #pragma once
 
@@ -10,7 +10,7 @@
 
 namespace burin {
 
-/// render_with_derivatives() of all parts, and the mean over them.
+/// Mean of render_with_derivatives() over all parts.
 RadianceDerivatives mean_with_derivatives(std::span<const ScenePart> parts, const CameraView& camera,
                                           const Carved& carved, std::span<const SceneParameter> parameters,
                                           const RenderOptions& options = {},

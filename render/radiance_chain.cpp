@@ -10,13 +10,13 @@ namespace {
 
 double& of(BySceneParameter& v, SceneParameter p, int offset = 0) { return v[static_cast<int>(p) + offset]; }
 
-/// D G of the plain face by everything: by_cos_i and by_cos_o without a grain, by_wi and by_wo (frame of the face) with
-/// one.
+/// Derivatives of D G of the plain face: by_cos_i and by_cos_o without a grain, by_wi and by_wo (frame of the face)
+/// with one.
 struct BaseSlopes {
   double by_alpha = 0, by_c = 0, by_s = 0, by_cos_i = 0, by_cos_o = 0;
   Eigen::Vector3d by_h{0, 0, 0}, by_wi{0, 0, 0}, by_wo{0, 0, 0};
 };
-/// `by_grain`: by c and s too where there is no grain.
+/// `by_grain`: derivatives by c and s also for a face without grain.
 BaseSlopes base_slopes(const PixelShading& p, const Eigen::Vector3d& normal, const Material& material, bool by_grain) {
   BaseSlopes out;
   const double alpha = material.base_alpha;
@@ -56,7 +56,7 @@ Eigen::Vector3d turned_with_face(const Eigen::Vector3d& normal, const Eigen::Vec
 
 }  // namespace
 
-// How one channel's radiance answers to the pixel's geometry.
+// Derivatives of one channel's radiance by the pixel's geometry.
 struct RadianceChain::GeometryGradient {
   Eigen::Vector3d light{0, 0, 0}, axis{0, 0, 0}, camera{0, 0, 0}, center{0, 0, 0}, normal{0, 0, 0};
   std::array<Eigen::Vector2d, 4> corner;
@@ -77,7 +77,7 @@ void RadianceChain::run(const ChainedPixel& pixel, const GrooveSums& sums, doubl
   const double A = pixel.area_mm2;
   const BaseSlopes base = base_slopes(p, normal, scene.material, by_grain);
   const double covered = std::min(1.0, sums.area_mm2 / A), plain = 1 - covered;
-  const double clamp = sums.area_mm2 < A ? 1 : 0;  // the side it is on
+  const double clamp = sums.area_mm2 < A ? 1 : 0;  // derivative of the active side
   const double scale = factor * p.direct;
   const double Q = p.direct * (sums.light_mm2 / A + plain * p.base);
 
@@ -90,7 +90,7 @@ void RadianceChain::run(const ChainedPixel& pixel, const GrooveSums& sums, doubl
   of(out, SceneParameter::log_intensity) = factor * Q;
   for (int k = 0; k < 6; ++k) of(out, SceneParameter::machine_00, k) = scale / A * sums.affine[k];
 
-  // Backward from Q and F through half vector and cosines to places. by_x is d radiance / d x.
+  // Backward from Q and F through half vector and cosines to positions. by_x is d radiance / d x.
   Eigen::Vector3d by_h_face = scale / A * sums.h_face;
   by_h_face += scale * plain * base.by_h;
   const double by_cos_i = scale * (sums.cos_i / A + plain * base.by_cos_i);
@@ -170,8 +170,8 @@ void RadianceChain::chain_geometry(const GeometryGradient& g, const Eigen::Vecto
                               4 * q.y() / sy * by_zy);
   }
 
-  // A corner slides along the face so that its ray stays where it is in the camera: with v the ray from the camera to
-  // it and n the face's normal, a motion u of the camera's frame moves it by v (n.u) / (n.v) - u.
+  // A corner slides along the face so that its ray stays fixed in the camera. With v the ray from the camera to it and
+  // n the face's normal, a motion u of the camera's frame moves it by v (n.u) / (n.v) - u.
   Eigen::Vector3d push = Eigen::Vector3d::Zero(), turn = Eigen::Vector3d::Zero();
   for (int k = 0; k < 4; ++k) {
     const Eigen::Vector2d by = g.corner[k] + 0.25 * by_center_xy, at = XY(corners[k].x(), corners[k].y());
@@ -188,7 +188,7 @@ void RadianceChain::chain_geometry(const GeometryGradient& g, const Eigen::Vecto
   set_pose_and_bow(g, push, turn, by_bow, out);
 }
 
-// The same on a bent sheet, whose places move along it by `across` and `along`: flat lengths are lengths there.
+// chain_geometry() on a bent sheet. `across` and `along` are positions on the sheet, where flat lengths are preserved.
 void RadianceChain::chain_bent(const GeometryGradient& g, const std::array<Eigen::Vector2d, 4>& corners,
                                BySceneParameter& out) const {
   const Cylinder& sheet = *cylinder;

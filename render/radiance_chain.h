@@ -1,8 +1,8 @@
-// burin/render/radiance_chain.h - from what a pixel's grooves sum up to (groove_sums.h) to its radiance's derivatives
-// by everything that a photo can tell about. docs/model.md 5. Frame: board, mm.
+// burin/render/radiance_chain.h - chain rule from the sums over a pixel's grooves (groove_sums.h) to the derivatives of
+// its radiance by all parameters of a photo. docs/model.md 5. Frame: board, mm.
 //
-// Forward over the scratches, backward over the pixel. What a lamp, a pose or a bow does to half vector, cosines and
-// footprint is chained back through the pixel's geometry, once a pixel, however many pairs it has.
+// Differentiation is forward over the scratches and backward over the pixel. The effect of lamp, pose and bow on half
+// vector, cosines and footprint is chained once per pixel, for any number of pairs.
 #pragma once
 
 #include <Eigen/Core>
@@ -19,7 +19,7 @@ namespace burin {
 
 using BySceneParameter = std::array<double, static_cast<int>(SceneParameter::grain_s) + 1>;
 
-/// A pixel with a footprint, lit and seen.
+/// A pixel with a footprint, lit and visible.
 struct ChainedPixel {
   const PixelShading& shading;
   const Eigen::Vector3d &normal, &center_mm;
@@ -27,12 +27,12 @@ struct ChainedPixel {
   double area_mm2;  ///< of the footprint
 };
 
-/// Everything of one view that the chain needs at each pixel. Scene and camera must outlive it.
+/// Data of one view that the chain needs at each pixel. Scene and camera must outlive it.
 struct RadianceChain {
   const ViewScene& scene;
   const CameraView& camera;
   Eigen::Matrix3d R_camera_board;
-  bool by_grain;                     ///< is asked for, of a face that may have none
+  bool by_grain;                     ///< derivatives by grain are wanted, also for a face without one
   std::optional<Cylinder> cylinder;  ///< of a bent sheet
 
   RadianceChain(const ViewScene& of_scene, const CameraView& of_camera, bool with_grain);

@@ -1,4 +1,4 @@
-// render_with_derivatives(): radiance and its derivatives by everything that a photo can tell about. docs/model.md 5.
+// render_with_derivatives(): radiance and its derivatives by all parameters of a photo. docs/model.md 5.
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
@@ -22,10 +22,10 @@
 namespace burin {
 namespace {
 
-// Pixels' sums from float packets; nothing where half vectors bend too much for those.
+// Sums of the pixels from float SIMD vectors; empty if half vectors bend too much for them.
 struct FastSums {
   std::vector<PixelSlopes> pixels;
-  bool in_lamps_unit = false;  // light has the lamp's strength in it
+  bool in_lamps_unit = false;  // light includes the lamp's strength
 
   static std::optional<FastSums> of(const ViewScene& scene, const Scratches& scratches, const RenderOptions& options,
                                     std::shared_ptr<RenderWorkspace> workspace) {

@@ -1,5 +1,5 @@
-// burin/render/scene_parts.h - a lamp with an area as the points that stand for it (lamp_size.h): a scene each.
-// docs/model.md 5.5.
+// burin/render/scene_parts.h - an area light as a set of points (lamp_size.h), with one scene per point. docs/model.md
+// 5.5.
 #pragma once
 
 #include <vector>
@@ -9,7 +9,8 @@
 
 namespace burin {
 
-/// The scenes of a lamp's points (lamp_points()), and their shares: light is the mean over them. `few` as there.
+/// Scene and share of one point of a lamp (lamp_points()). The light is the mean over the points. `few` as in
+/// lamp_points().
 struct ScenePart {
   ViewScene scene;
   double share = 1;

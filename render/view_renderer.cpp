@@ -18,11 +18,11 @@ struct ViewRenderer::State {
   RenderOptions options;
   std::shared_ptr<RenderWorkspace> workspace;
   std::size_t scratch_count = 0;
-  // Made when first asked for.
-  std::unique_ptr<LampView> lamp;      // of a lone lamp that needs no sum
-  std::unique_ptr<LightsView> lights;  // of all else
-  std::unique_ptr<LanesView> lanes;    // of grooves that come with what is left of them
-  Scratches grooves;                   // of its last forward()
+  // Created on first use.
+  std::unique_ptr<LampView> lamp;      // for a single lamp without a sum
+  std::unique_ptr<LightsView> lights;  // for all other lights
+  std::unique_ptr<LanesView> lanes;    // for grooves with their visible lanes
+  Scratches grooves;                   // of the last forward() in lanes
   std::shared_ptr<const VisibleLanes> left;
 
   State(ViewScene of, const RenderOptions& o, std::shared_ptr<RenderWorkspace> r)

@@ -1,5 +1,5 @@
-// burin/render/view_scene.h - what a rendered view depends on, and how it is rendered. Rendering itself:
-// view_renderer.h. Frame: board, mm. docs/model.md 5.
+// burin/render/view_scene.h - inputs and options of a rendered view. view_renderer.h renders it. Frame: board, mm.
+// docs/model.md 5.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,40 +15,40 @@
 
 namespace burin {
 
-/// Everything that one rendered view depends on, besides the scratches.
+/// All inputs of one rendered view except the scratches.
 struct ViewScene {
   std::shared_ptr<const FootprintGrid> grid;  ///< see share()
   Eigen::Vector3d camera_center_mm{0, 0, 0};
   Light light;
-  Material material;           ///< shared alpha and depth where the scratches carry none
-  double tool_width_um = 400;  ///< shared width where the scratches carry none
+  Material material;           ///< shared alpha and depth, for scratches without their own
+  double tool_width_um = 400;  ///< shared width, for scratches without their own
   Eigen::Vector3d ambient{0, 0, 0};
-  /// 1 for pixels whose face the lamp does not reach, width * height (of several lights one after the other, or none
-  /// are hidden); empty: it reaches all that face it. make_scene fills it for faces that hide parts of themselves
-  /// (burin/scene/board_face.h); for other occluders fill it with hidden_pixels().
+  /// 1 for pixels that the lamp does not reach, width * height. Several lights follow one another, or no pixel is
+  /// hidden. Empty: the lamp reaches all pixels that face it. make_scene fills it for faces that hide parts of
+  /// themselves (burin/scene/board_face.h); for other occluders fill it with hidden_pixels().
   std::vector<std::uint8_t> hidden_from_light;
 };
 
 /// How a view is rendered.
 struct RenderOptions {
-  int channels = 1;         ///< 1: mean of R, G, B (what a mono sensor sees); 3: R, G, B
-  bool use_double = false;  ///< the slow exact twin
-  /// Whether forward_with_jacobian() keeps derivatives by width, depth, alpha and base_alpha too (always with
-  /// use_double). Designs that only move ends are faster and smaller without.
+  int channels = 1;         ///< 1: mean of R, G, B, as a mono sensor sees it; 3: R, G, B
+  bool use_double = false;  ///< slow double-precision reference
+  /// Whether forward_with_jacobian() also keeps derivatives by width, depth, alpha and base_alpha (always with
+  /// use_double). Without them, designs with fixed width, depth and alpha are faster and need less memory.
   bool material_gradients = true;
-  SimdWidth simd = SimdWidth::best;  ///< packets of the fast path
+  SimdWidth simd = SimdWidth::best;  ///< SIMD vectors of the fast path
 };
 
-/// The fast path's work buffers and sparse Jacobian (burin/render/fast/render_workspace.h). Renderers that share one
-/// need the memory of one view; each must then finish with a forward()'s results before the next renderer's forward().
-/// Those that also share a grid share all that comes from it, and find the pairs of the same scratches once.
+/// Work buffers and sparse Jacobian of the fast path (burin/render/fast/render_workspace.h). Renderers that share one
+/// need the memory of one view. Each must then finish with a forward()'s results before the next renderer's forward().
+/// Renderers with a common grid also share its data, and find the pairs of the same scratches once.
 class RenderWorkspace;
-/// What workspaces know of grids that they render in turn (burin/render/fast/tile_cache.h), up to so many bytes.
+/// Data of grids that workspaces render in turn (burin/render/fast/tile_cache.h), with a limit in bytes.
 class TileCache;
 std::shared_ptr<TileCache> make_tile_cache(std::size_t most_bytes = 300'000'000);
 inline constexpr std::size_t kUsualJacobianBytes = 320'000'000;
-/// `most_jacobian_bytes`: what of the Jacobian does not fit into it is computed again on the way back. The results are
-/// the same, bit for bit. `tiles`: several workspaces may share one; without it a workspace knows its last grid alone.
+/// The backward pass recomputes the part of the Jacobian beyond `most_jacobian_bytes`, with the same bits. `tiles`:
+/// several workspaces may share one; without it a workspace keeps the data of its last grid alone.
 std::shared_ptr<RenderWorkspace> make_render_workspace(std::size_t most_jacobian_bytes = kUsualJacobianBytes,
                                                        std::shared_ptr<TileCache> tiles = nullptr);
 
