@@ -1,5 +1,5 @@
-// burin/render/fast/byte_store.h - memory for arrays that live until the next clear(), handed out from a few large
-// blocks that are kept: what is rendered again and again then needs no memory of the heap.
+// burin/render/fast/byte_store.h - memory for arrays with a lifetime until the next clear(). A few large blocks supply
+// it and stay allocated, so repeated rendering needs no memory from the heap.
 #pragma once
 
 #include <cstddef>
@@ -11,13 +11,13 @@ namespace burin {
 
 class ByteStore {
  public:
-  /// Never holds more than `most_bytes`.
+  /// Limits all blocks together to `most_bytes`.
   explicit ByteStore(std::size_t most_bytes) : most_(most_bytes) {}
 
-  /// All is free again. Not while others take().
+  /// Frees all arrays. No other thread may be in take().
   void clear();
 
-  /// `bytes` of memory, aligned for any packet (64 bytes), or null where it would not fit. From any thread.
+  /// `bytes` of memory, aligned for any SIMD vector (64 bytes), or null beyond the limit. Any thread may call it.
   std::byte* take(std::size_t bytes);
 
  private:
@@ -33,7 +33,7 @@ class ByteStore {
   std::mutex mutex_;
   std::vector<Block> blocks_;
   std::size_t held_ = 0;              // bytes in all blocks
-  std::size_t block_ = 0, used_ = 0;  // where the next memory comes from
+  std::size_t block_ = 0, used_ = 0;  // source of the next memory
 };
 
 }  // namespace burin

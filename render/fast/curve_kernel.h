@@ -1,6 +1,6 @@
-// burin/render/fast/curve_kernel.h - the inner loop of burin/render/fast/tile_kernel.h where a groove's light is a
-// curve across it (burin/render/fast/curve_tables.h): the same tiles, pairs and pieces, of which each asks a table
-// instead of section 4 of docs/model.md.
+// burin/render/fast/curve_kernel.h - the inner loop of burin/render/fast/tile_kernel.h for a groove whose light is a
+// curve across it (burin/render/fast/curve_tables.h). Tiles, pairs and pieces are the same; each piece reads a table in
+// place of section 4 of docs/model.md.
 #pragma once
 
 #include <cstddef>
@@ -11,20 +11,20 @@
 
 namespace burin {
 
-/// The kernels of one width.
+/// Kernels of one SIMD width.
 struct CurveKernels {
-  /// Makes the curves of those of a tile's runs that have pairs. The tile's first pixel is (left, top) of the picture.
+  /// Makes the curves of a tile's runs with pairs. The tile's first pixel is (left, top) of the picture.
   void (*make_curves)(const CurveTables& tables, const TileTask& task, const TilePlaces& places, int left, int top,
                       TileCurves& to);
-  /// The same under a lamp, whatever the grooves' cross-section.
+  /// make_curves() under a lamp, for any cross-section of the grooves.
   void (*make_lamp_curves)(const LampCurves& lamp, const TileTask& task, const TilePlaces& places, std::size_t tile,
                            TileCurves& to);
-  /// As TileKernels::evaluate, for a task with curves.
+  /// TileKernels::evaluate for a task with curves.
   void (*evaluate)(const TileTask& task, const TilePlaces& places, TileBuffers& buffers, TilePairs& pairs,
                    const TileJacobian& to);
 };
 
-/// Throws Error for a width that does not run here.
+/// Throws Error for a width that this machine does not support.
 const CurveKernels& curve_kernels(SimdWidth width);
 
 }  // namespace burin

@@ -1,5 +1,5 @@
-// burin/render/fast/curve_kernel_impl.h - the kernels of burin/render/fast/curve_kernel.h over a packet type. Included
-// only by the files that are compiled for one instruction set each (see burin/render/fast/packet_math.h).
+// burin/render/fast/curve_kernel_impl.h - kernels of burin/render/fast/curve_kernel.h over a SIMD vector type. Only the
+// files compiled for one instruction set each include it (see burin/render/fast/packet_math.h).
 #pragma once
 
 #include "burin/render/fast/curve_kernel.h"

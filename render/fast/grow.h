@@ -1,5 +1,4 @@
-// burin/render/fast/grow.h - buffers that are kept from one iteration to the next and grow with what the scratches
-// touch.
+// burin/render/fast/grow.h - buffers that persist between iterations and grow with the number of pairs.
 #pragma once
 
 #include <cstddef>
@@ -7,8 +6,8 @@
 
 namespace burin {
 
-/// Makes `buffer` at least `size` long. Whenever it must move it reserves twice as much, so that an iteration in which
-/// scratches grow seldom goes to the heap; the system gives no memory for what is reserved but not yet used.
+/// Makes `buffer` at least `size` long. On reallocation it reserves twice as much, so growing scratches seldom need the
+/// heap. The system supplies no memory for reserved but unused pages.
 template <typename T>
 void grow_to(std::vector<T>& buffer, std::size_t size) {
   if (buffer.size() >= size) return;

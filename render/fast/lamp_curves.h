@@ -1,6 +1,6 @@
-// burin/render/fast/lamp_curves.h - what the fast path needs to find the light of grooves of any cross-section under a
-// lamp as curves across them (burin/render/fast/curve_tables.h), where curves are made anew at a few places along each
-// groove: the section's leans, and how each tile's places see the lamp. docs/model.md 8.6.
+// burin/render/fast/lamp_curves.h - inputs of curves (burin/render/fast/curve_tables.h) for grooves of any
+// cross-section under a lamp: the section's leans, and each tile's view of the lamp. Curves are made at a few positions
+// along each groove. docs/model.md 8.6.
 #pragma once
 
 #include <array>
@@ -14,57 +14,56 @@
 
 namespace burin {
 
-/// How the walls of a section's parts lean at the places that curves are made of. t reaches from -half_count * step to
-/// half_count * step; a burr's middle is at t = 0 and its edges are at those ends.
+/// Leans of the walls of a section's parts at the nodes of curves. t runs from -half_count * step to half_count * step.
+/// A burr's middle is at t = 0 and its edges are at those ends.
 struct SectionLeans {
   static constexpr int kGauss = 4, kRows = kGauss + 1;
   int half_count = 0, stride = 0;
   float step = 1;
-  /// Sines and cosines of leans: kGauss rows with the places of Gauss and Legendre's rule of each step, and one with
-  /// the steps' ends. Rows are `stride` apart, a whole number of packets, and hold numbers throughout.
+  /// Sines and cosines of leans: kGauss rows for the Gauss-Legendre nodes of each step, and one for the steps' ends.
+  /// Rows are `stride` apart, a whole number of SIMD vectors, and finite throughout.
   struct Part {
     CurveFloats sine, cosine;
   };
   std::array<Part, kSectionParts> part;
 };
 
-/// Evenly spread nodes of curves over a section's parts, from t = -half_count * step to half_count * step, between
-/// which walls lean by `lean_step` at most; one is where flanks begin.
+/// Evenly spaced nodes of curves over a section's parts, from t = -half_count * step to half_count * step. Leans differ
+/// by at most `lean_step` between nodes, and one node is at the start of the flanks.
 struct SectionNodes {
   int half_count = 0;
   double step = 1;
 };
-/// For grooves that reach up to |t| = rim where they are `width_um` wide.
+/// For grooves up to |t| = rim at width `width_um`.
 SectionNodes section_nodes(const GrooveProfile& profile, double width_um, double rim, double lean_step);
-/// The wall's lean at a node k from the middle, which may lie between two.
+/// The wall's lean at node k, counted from the middle; k may be fractional.
 double lean_at_node(const GrooveProfile& profile, double width_um, SectionPart part, const SectionNodes& nodes,
                     double k);
-/// Whether a section has that part.
+/// Whether a section has this part.
 bool has_part(const GrooveProfile& profile, SectionPart part);
 
-/// For grooves as in section_nodes(), and a roughness that is nowhere less.
+/// For grooves as in section_nodes(). `alpha` is a lower bound of the roughness.
 SectionLeans section_leans(const GrooveProfile& profile, double width_um, double rim, double alpha);
 
-/// How a tile's places see one point of the lamp: polynomials of the second degree in (column, row) from the tile's
-/// middle, in half tiles: 1, c, r, c^2, c r, r^2.
+/// A tile's view of one point of the lamp: quadratic polynomials in (column, row) from the tile's middle, in half
+/// tiles: 1, c, r, c^2, c r, r^2.
 struct LampFit {
   float h_x[6], h_y[6];        ///< half vector, in the frame of the face
-  float strength[6];           ///< what D G is to be multiplied with: the mean of the channels
+  float strength[6];           ///< factor of D G: the mean of the channels
   float tan2_i[6], tan2_o[6];  ///< as in TileShading
 };
 
-/// Of each tile, for each of the lamp's points (lamp_points()): fits.of(tile)[point].
+/// Fits per tile and point of the lamp (lamp_points()): fits.of(tile)[point].
 struct LampFits {
   int points = 0;
-  double error =
-      0;  ///< by how much half vectors differ from what was fitted to them, at most: large on faces with edges
+  double error = 0;  ///< largest error of the fitted half vectors; large on faces with edges
   std::vector<LampFit> fits;
 
   const LampFit* of(std::size_t tile) const { return fits.data() + tile * points; }
 };
 LampFits lamp_fits(const ViewScene& scene, const TiledGrid& grid);
 
-/// All of it, as a kernel reads it.
+/// All inputs of a kernel.
 struct LampCurves {
   SectionLeans leans;
   LampFits fits;

@@ -1,9 +1,9 @@
-// burin/render/fast/packet_math.h - what the kernels' packets need beyond xsimd: fast exact divisions, masks as bits,
-// rows of memory turned into packets, and packing the lanes that a mask names.
+// burin/render/fast/packet_math.h - functions of SIMD vectors beyond xsimd: fast exact divisions, masks as bits,
+// transposed loads and stores, and packing of selected lanes.
 //
-// Included only by files that are compiled for one instruction set each. Everything depends on the packet type, which
-// differs between them: the linker keeps one copy of an inline function, and it might be one that this machine cannot
-// run. What only AVX-512 can do at once is written with its intrinsics; the rest goes lane by lane through memory.
+// Only files compiled for one instruction set each include it. Everything depends on the vector type, which differs
+// between them. The linker keeps one copy of an inline function, and this machine might not support that copy.
+// Operations that only AVX-512 has use its intrinsics; other types go lane by lane through memory.
 #pragma once
 
 #include <array>
@@ -20,8 +20,8 @@
 #include <immintrin.h>
 #endif
 
-/// For a kernel's stages: all that they call becomes part of them. Not with a sanitizer, whose checks would make them
-/// so long that they take GCC many minutes.
+/// For a kernel's stages: inlines all of their calls. Disabled with a sanitizer, whose checks make the functions so
+/// long that GCC needs many minutes.
 #ifdef __SANITIZE_ADDRESS__
 #define BURIN_FLATTEN
 #else
@@ -41,7 +41,7 @@ inline constexpr bool kIs512 = std::is_same_v<P, Packet512>;
 
 namespace footprint {
 
-/// One Newton step on the 14-bit estimates: right to 1 part in 2^23, at a fifth of the price of vdivps and vsqrtps.
+/// One Newton step on the 14-bit estimates: error 1 part in 2^23, at a fifth of the cost of vdivps and vsqrtps.
 template <>
 struct Arithmetic<Packet512> {
   using P = Packet512;
@@ -53,7 +53,7 @@ struct Arithmetic<Packet512> {
     const __m512 r = _mm512_rsqrt14_ps(x), half_r = _mm512_mul_ps(r, _mm512_set1_ps(0.5F));
     return _mm512_fmadd_ps(half_r, _mm512_fnmadd_ps(_mm512_mul_ps(x, r), r, _mm512_set1_ps(1.0F)), r);
   }
-  /// 1 + x = 2^k (1 + z) with z in [-1/4, 1/2), exactly x where k = 0; log(1 + z) = 2 atanh(z / (2 + z)).
+  /// 1 + x = 2^k (1 + z) with z in [-1/4, 1/2), exactly x for k = 0; log(1 + z) = 2 atanh(z / (2 + z)).
   [[gnu::always_inline]] static P log1p(const P& x) {
     const __m512 one = _mm512_set1_ps(1.0F);
     const __m512 y = _mm512_add_ps(x, one);
@@ -103,7 +103,7 @@ template <class P>
   }
 }
 
-/// Packs the lanes of `v` that `bits` names to `to`; a whole packet may be overwritten there.
+/// Packs the lanes of `v` selected by `bits` to `to`. May overwrite a whole vector there.
 template <class P>
 [[gnu::always_inline]] inline void pack(float* to, const P& v, std::uint32_t bits) {
 #ifdef __AVX512BW__
@@ -117,8 +117,8 @@ template <class P>
   for (; bits != 0; bits &= bits - 1) *to++ = lanes[std::countr_zero(bits)];
 }
 
-/// Packs those of from[0 .. lanes - 1] that `bits` names to `to`, and the numbers of those lanes counted from `first`
-/// to `number`; whole packets may be overwritten there.
+/// Packs those of from[0 .. lanes - 1] selected by `bits` to `to`, and the numbers of these lanes, counted from
+/// `first`, to `number`. May overwrite whole vectors there.
 template <class P>
 [[gnu::always_inline]] inline void pack_numbers(std::uint32_t* to, std::uint32_t* number, const std::uint32_t* from,
                                                 std::uint32_t first, std::uint32_t bits) {
@@ -139,7 +139,7 @@ template <class P>
   }
 }
 
-/// The four floats that start at row(lane), lane by lane: one packet for each of the four.
+/// The four floats at row(lane) of each lane, as one vector for each of the four.
 template <class P, class Row>
 [[gnu::always_inline]] inline void four_columns(P* out, const Row& row) {
 #ifdef __AVX512BW__
@@ -183,7 +183,7 @@ template <class P, class Row>
   for (int c = 0; c < 4; ++c) out[c] = P::load_aligned(lanes[c]);
 }
 
-/// The inverse: row i is lane i of the four packets.
+/// Inverse of four_columns(): row i is lane i of the four vectors.
 template <class P>
 [[gnu::always_inline]] inline void four_rows(const P (&c)[4], float (*to)[4]) {
 #ifdef __AVX512BW__
@@ -227,7 +227,7 @@ template <class P>
   }
 }
 
-/// Sum of the lanes, in an order of our own: xsimd's differs from version to version, and with it the last bit.
+/// Sum of the lanes in a fixed order. xsimd's order differs between versions, and so does its last bit.
 template <class P>
 [[gnu::always_inline]] inline float sum(const P& v) {
 #ifdef __AVX512BW__
@@ -260,7 +260,7 @@ template <class P>
 [[gnu::always_inline]] inline P sums_of_rows(const P* rows) {
 #ifdef __AVX512BW__
   if constexpr (kIs512<P>) {
-    // Four times: half as many rows, whose lanes are sums of half as many lanes of each of two.
+    // Four steps. Each halves the number of rows; their lanes are sums of half as many lanes of two rows.
     __m512 a[8], b[4], c[2];
     for (int i = 0; i < 8; ++i) {
       const __m512 x = rows[i + i / 4 * 4], y = rows[i + i / 4 * 4 + 4];
@@ -286,8 +286,7 @@ template <class P>
   return P::load_aligned(numbers);
 }
 
-/// Picks a number for each lane from tables of two packets: lane k takes entry index[k], counted modulo the table's
-/// length.
+/// Table lookup per lane in a table of two vectors. Lane k takes entry index[k], modulo the table's length.
 template <class P>
 class Picker {
  public:
@@ -314,7 +313,7 @@ class Picker {
   const std::uint32_t* index_;
 };
 
-/// A packet of doubles, half as many, and floats in memory turned into it and back.
+/// A vector of doubles with half as many lanes, and its conversion from and to floats in memory.
 template <class P>
 using DoublesOf = xsimd::batch<double, typename P::arch_type>;
 
@@ -389,7 +388,7 @@ template <class P>
   return P::load_aligned(lanes);
 }
 
-/// The whole numbers at `from`.
+/// The integers at `from`.
 template <class P>
 [[gnu::always_inline]] inline P load_shorts(const std::int16_t* from) {
 #ifdef __AVX512BW__

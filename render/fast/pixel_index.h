@@ -1,11 +1,10 @@
-// burin/render/fast/pixel_index.h - a grid of pixels cut into tiles, and which of them a strip of the board may touch.
+// burin/render/fast/pixel_index.h - a grid of pixels divided into tiles, with a search for the tiles of a strip.
 //
-// A tile (burin/render/fast/tile.h) is a block, or several where one map is not good enough. A block has a projective
-// map that takes its footprints' corners to the pixel lattice within kBlockError_px, measured at every corner, so that
-// it needs no camera. Which tiles a strip may touch is found through one map of the whole grid, whose error is known
-// too; where there is none (folded or split grids), through the tiles' boxes. In a tile the strip is drawn through the
-// block's map, every pixel widened by what the map is wrong: this can only add pixels. Frame: board xy, mm.
-// docs/model.md 8.1.
+// A tile (burin/render/fast/tile.h) is one block, or several if one map is too inaccurate. A block has a projective map
+// from its footprints' corners to the pixel lattice, with an error up to kBlockError_px measured at every corner. So no
+// camera is needed. One map of the whole grid, also with a known error, finds the tiles that a strip may touch. Without
+// such a map (folded or split grids), the tiles' boxes find them. In a tile the block's map rasterizes the strip, with
+// every pixel widened by the map's error, which can only add pixels. Frame: board xy, mm. docs/model.md 8.1.
 #pragma once
 
 #include <Eigen/Core>
@@ -19,7 +18,7 @@
 
 namespace burin {
 
-/// A scratch on the board: all points within half_width_mm of the line between its ends, ends cut square.
+/// A scratch on the board: all points within half_width_mm of the line between its ends, with square ends.
 struct Strip {
   Eigen::Vector2d p0_mm{0, 0}, p1_mm{0, 0};
   double half_width_mm = 0;
@@ -29,10 +28,10 @@ struct Strip {
 struct GridTile {
   Eigen::Vector2d origin_mm{0, 0};
   std::uint32_t block_begin = 0, block_end = 0;
-  bool all_valid = false;  ///< every pixel of the grid in it has a footprint
+  bool all_valid = false;  ///< every pixel of the grid in the tile has a footprint
 };
 
-/// A map of a whole grid to its pixel lattice, right within error_px at every footprint's corner.
+/// A map of a whole grid to its pixel lattice, with an error up to error_px at every footprint's corner.
 struct GridMap {
   bool exists = false, affine = false;
   Eigen::Matrix3d lattice_from_board = Eigen::Matrix3d::Identity();
@@ -40,7 +39,7 @@ struct GridMap {
   double w_min = 0;  ///< least third homogeneous coordinate among the corners
 };
 
-/// The tiles of a grid. Built once a grid; the grid may go.
+/// The tiles of a grid. Built once per grid, without a reference to it.
 class PixelIndex {
  public:
   explicit PixelIndex(const FootprintGrid& grid);
@@ -52,7 +51,7 @@ class PixelIndex {
     return std::span(blocks_).subspan(tile.block_begin, tile.block_end - tile.block_begin);
   }
 
-  /// Bit c of row r: that pixel of the tile has a footprint. Null where all have one.
+  /// Bit c of row r: the pixel of the tile has a footprint. Null if all pixels have one.
   const std::uint32_t* valid_rows(std::size_t tile) const {
     return tiles_[tile].all_valid ? nullptr : valid_rows_[tile].data();
   }

@@ -1,9 +1,9 @@
-// burin/render/fast/pixel_slopes.h - what the grooves that a pixel sees add up to, and how that changes, from the fast
-// path's packets: the fast twin of exact/exact_sums.h. docs/model.md 8.7. Frame: board, mm.
+// burin/render/fast/pixel_slopes.h - sums over the grooves of a pixel with their derivatives, from the fast path's SIMD
+// vectors. exact/exact_sums.h is its double-precision reference. docs/model.md 8.7. Frame: board, mm.
 //
-// Pairs are summed by what can happen to their pixel as a whole: grooves shift and are mapped linearly about its
-// middle, the footprint is, its half vector moves. So footprints that are no parallelograms any more are left out, and
-// that a scratch's end, square across it, is not after a linear map.
+// Pairs are summed by the possible changes of their pixel as a whole: grooves shift and are mapped linearly about its
+// middle, its footprint is mapped, its half vector moves. This ignores footprints that cease to be parallelograms, and
+// square ends that do not stay square under a linear map.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,14 +15,14 @@
 
 namespace burin {
 
-/// Of one pixel.
+/// Sums of one pixel.
 struct PixelSlopes {
   float light = 0, area_mm2 = 0;  ///< light: in units of `unit` below times mm^2
   std::array<float, kPixelSlopes> by{};
 };
 
-/// `p`: a pixel that is lit and seen; `corners_mm` and `area_mm2` are its footprint's; `unit`: what light of 1 stands
-/// for; `alpha`: the shared roughness, at which shadowing follows the cosines.
+/// `p`: a lit and visible pixel; `corners_mm` and `area_mm2`: of its footprint; `unit`: value of a light of 1; `alpha`:
+/// the shared roughness, used for the derivatives of shadowing by the cosines.
 GrooveSums groove_sums(const PixelSlopes& slopes, double unit, const PixelShading& p,
                        const std::array<Eigen::Vector2d, 4>& corners_mm, double area_mm2, double alpha);
 

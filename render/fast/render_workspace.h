@@ -1,8 +1,7 @@
-// burin/render/fast/render_workspace.h - the buffers that views work in: runs, pairs with their Jacobian, and a
-// thread's own. They grow to the largest iteration and are kept. Views that are rendered and differentiated one after
-// the other may share one, so that memory grows with the pairs of one view and not of all. What several views have in
-// common is made once: a grid's tiles, and, while the scratches stay where they are, the runs and places of their
-// pairs.
+// burin/render/fast/render_workspace.h - work buffers of views: runs, pairs with their Jacobian, and buffers per
+// thread. They grow to the largest iteration and persist. Views that are rendered and differentiated one after the
+// other may share a workspace, so memory grows with the pairs of one view and not of all. Common data of several views
+// is computed once: a grid's tiles, and the runs and places of pairs of unmoved scratches.
 #pragma once
 
 #include <tbb/enumerable_thread_specific.h>
@@ -24,7 +23,7 @@
 
 namespace burin {
 
-/// Widths and depths of grooves, one each or one of all, and of the paper's what runs are made of (TileRun).
+/// Widths and depths of grooves, one each or one for all; for the paper's grooves also the numbers of TileRun.
 struct GrooveShapes {
   std::vector<double> width_um, depth_um;
   std::vector<float> per_mm, rim;  ///< of each different groove
@@ -32,31 +31,31 @@ struct GrooveShapes {
 
 class RenderWorkspace {
  public:
-  /// A tile whose arrays no longer fit into `most_jacobian_bytes` is not kept, and evaluated again on the way back.
-  /// Tiles of grids come from `tiles`, or are kept of the last grid.
+  /// If a tile's arrays do not fit into `most_jacobian_bytes`, the backward pass evaluates the tile again. Tiles of
+  /// grids come from `tiles`; without it the workspace keeps those of the last grid.
   explicit RenderWorkspace(std::size_t most_jacobian_bytes, std::shared_ptr<TileCache> tiles = nullptr);
 
-  /// The tiles of a grid; the same for the same grid as long as a view uses them.
+  /// The tiles of a grid. The object persists for a grid as long as a view uses it.
   std::shared_ptr<const TiledGrid> tiles_of(const std::shared_ptr<const FootprintGrid>& grid);
 
-  /// Of scratches; `width_um` and `depth_um` are those of scratches without their own. Kept as long as they are asked
-  /// for again: photo after photo shows the same board.
+  /// Shapes of scratches. `width_um` and `depth_um` apply to scratches without their own. The last shapes persist,
+  /// because successive photos show the same board.
   std::shared_ptr<const GrooveShapes> shapes_of(const Scratches& scratches, double width_um, double depth_um);
 
-  /// Sorts scratches into tiles, unless these are the ones that lie there since the last time.
+  /// Sorts scratches into tiles, unless the last call had the same scratches.
   void sort(const std::shared_ptr<const TiledGrid>& grid, const ScratchLines& lines);
 
-  /// The pairs of a tile: as kept, or found anew. `found` must outlive them.
+  /// The pairs of a tile, stored or computed. `found` must outlive them.
   TilePlaces places_of(std::size_t tile, const TileTask& task, const TileKernels& kernels, FoundPlaces& found);
 
-  /// Memory for the Jacobian of a tile's `count` pairs in the mode, where nothing is kept of any: `work` holds it until
-  /// the next.
+  /// Memory for the Jacobian of a tile's `count` pairs in the mode, without storage. `work` holds it until the next
+  /// call.
   struct Work;
-  /// `by_half_vector`: with what TileTask::by_half_vector asks for.
+  /// `by_half_vector`: with the derivatives of TileTask::by_half_vector.
   static TileJacobian make_jacobian(KernelMode mode, std::size_t count, Work& work, bool by_half_vector = false);
-  /// The same where it is kept until the next forward(), or without arrays where no space is left.
+  /// As make_jacobian(), but stored until the next forward(), or without arrays if no space is left.
   TileJacobian keep_jacobian(KernelMode mode, std::size_t count);
-  /// Completes what keep_jacobian() made with its ends and keeps it; with nothing where no space is left for those.
+  /// Adds the ends to the result of keep_jacobian() and stores it; stores nothing if no space is left for the ends.
   void keep_ends(std::size_t tile, TileJacobian jacobian, const std::vector<EndPair>& ends);
 
   const void* owner = nullptr;  ///< the view whose Jacobian this is
@@ -66,17 +65,17 @@ class RenderWorkspace {
   std::vector<TileJacobian> jacobian;         ///< by tile
   ByteStore jacobian_store;                   ///< of the last forward()
   std::vector<float> open_slope;              ///< by tile and place: d (plain face's lobe) / d base_alpha
-  std::vector<float> by_run;                  ///< of the backward pass: run_gradients() a run
+  std::vector<float> by_run;                  ///< of the backward pass: run_gradients() numbers per run
   std::vector<double> by_tile;                ///< by base_alpha
   std::vector<Eigen::Array3d> by_chunk;       ///< of scratches: by width, depth, alpha
 
-  /// A thread's own.
+  /// Buffers of one thread.
   struct Work {
     TileBuffers tile;
     FoundPlaces found;
     TilePairs pairs;
     TileCurves curves;
-    std::vector<float> jacobian;  // of a tile for which there is no space
+    std::vector<float> jacobian;  // of a tile without space in the store
     float open[kTilePixels] = {}, lobes[kTilePixels] = {}, covered_base[kTilePixels] = {};
     float weight[kTilePixels] = {};
     std::vector<RunUnits> units;  // of a tile's runs
@@ -88,8 +87,8 @@ class RenderWorkspace {
   bool is_sorted(const TiledGrid* grid, const ScratchLines& lines) const;
 
   std::shared_ptr<const GrooveShapes> shapes_;
-  std::shared_ptr<TileCache> tiles_;  ///< its own knows the last grid alone
-  // The scratches and the grid that `runs` and places were made for.
+  std::shared_ptr<TileCache> tiles_;  ///< a private one holds the last grid alone
+  // Scratches and grid of `runs` and places.
   std::shared_ptr<const TiledGrid> sorted_grid_;
   std::array<std::vector<double>, 4> sorted_ends_mm_;
   std::array<std::vector<float>, 3> sorted_shape_;

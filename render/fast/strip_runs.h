@@ -1,4 +1,4 @@
-// burin/render/fast/strip_runs.h - strips of any width sorted into a grid's tiles, where their pairs are found.
+// burin/render/fast/strip_runs.h - strips of any width sorted into a grid's tiles, with a search for their pairs.
 // Frame: board, mm.
 #pragma once
 
@@ -14,7 +14,7 @@
 
 namespace burin {
 
-/// The task of finding a tile's pairs.
+/// The task of a search for a tile's pairs.
 inline TileTask finding(const PixelIndex& index, const TileRuns& runs, std::size_t t) {
   TileTask task;
   task.runs = runs.of(t);
@@ -47,7 +47,7 @@ class StripRuns {
   }
   const TileRuns& runs() const { return runs_; }
 
-  /// visit(tile, its places), tiles side by side.
+  /// visit(tile, its places), tiles in parallel.
   template <typename Visit>
   void each_tile(const PixelIndex& index, SimdWidth simd, const Visit& visit) const {
     const TileKernels& kernels = tile_kernels(simd);

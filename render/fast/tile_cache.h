@@ -1,5 +1,5 @@
-// burin/render/fast/tile_cache.h - the tiles of grids that are rendered in turn, kept from one to the next: what
-// photos' fits render again and again. May be asked by several threads at once.
+// burin/render/fast/tile_cache.h - storage for the tiles of grids that are rendered in turn, as fits to photos do.
+// Several threads may use it at once.
 #pragma once
 
 #include <cstddef>
@@ -13,10 +13,10 @@ namespace burin {
 
 class TileCache {
  public:
-  /// Those of the grids longest unused go where all would need more than `most_bytes`.
+  /// Beyond `most_bytes` it drops the tiles of the least recently used grids.
   explicit TileCache(std::size_t most_bytes) : most_bytes_(most_bytes) {}
 
-  /// The tiles of a grid: made where they are not there.
+  /// The tiles of a grid, made if absent.
   std::shared_ptr<const TiledGrid> of(const std::shared_ptr<const FootprintGrid>& grid);
 
  private:

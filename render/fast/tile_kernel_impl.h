@@ -1,5 +1,5 @@
-// burin/render/fast/tile_kernel_impl.h - the kernels of burin/render/fast/tile_kernel.h over a packet type, from their
-// parts in burin/render/fast/kernel/. Included only by the files that are compiled for one instruction set each (see
+// burin/render/fast/tile_kernel_impl.h - kernels of burin/render/fast/tile_kernel.h over a SIMD vector type, assembled
+// from burin/render/fast/kernel/. Only the files compiled for one instruction set each include it (see
 // burin/render/fast/packet_math.h).
 #pragma once
 

@@ -1,11 +1,11 @@
-// burin/render/fast/tile_raster.h - which pixels of a tile a scratch touches, many rows at once.
+// burin/render/fast/tile_raster.h - pixels of a tile that a scratch touches, many rows at once.
 //
-// The strip |t| <= rim between its ends is cut to the tile's box, taken to the tile's lattice by its block's map, and
-// drawn as a convex quadrilateral: within the slab of a row it is convex too, so the columns it touches are those
-// between the extremes of what the slab leaves of each edge. Every pixel is widened by what the map and float rounding
-// may be wrong by (rows by more, which also swallows edges too flat for their slope to be trusted): that can only add
-// pixels. A strip that is much thinner than a pixel is drawn as its middle line, widened: there are few pixels to add
-// at its ends, and half the work. Included only where packet_math.h may be.
+// The strip |t| <= rim between its ends is clipped to the tile's box, mapped to the tile's lattice by its block's map,
+// and rasterized as a convex quadrilateral. Within a row's slab it is convex too. So its columns are those between the
+// extremes of the edges' parts in the slab. Every pixel is widened by the errors of the map and of float rounding,
+// which can only add pixels. Rows are widened more, which also covers edges too flat for a reliable slope. A strip much
+// thinner than a pixel is rasterized as its widened middle line: it adds few pixels at the ends and halves the work.
+// Include only where packet_math.h is permitted.
 #pragma once
 
 #include <algorithm>
@@ -30,14 +30,13 @@ struct TileRaster {
   struct Edge {
     alignas(64) Lanes x0, y0, x1, y1, slope;  // y0 <= y1
   };
-  /// Quadrilaterals of as many runs as a packet has lanes, in the lattice of a block.
+  /// Quadrilaterals of one run per lane, in the lattice of a block.
   struct Quads {
     Edge edge[4];
     alignas(64) Lanes row0, row1;  // first and last row touched
     alignas(64) Lanes e, e_row;    // widening, px
-    // For thin strips, with v the axis along which they run further and u the other: u of the middle line at v,
-    // u0 + slope v, how far the strip reaches in u from there, and the box around it, all widened; in u cut to the
-    // block. Then the first and last v touched.
+    // Thin strips: v is the axis of their longer extent and u the other axis. u0 + slope v is the middle line and reach
+    // the extent in u. u_low .. v_high is the box, widened, and in u clipped to the block. first, last: v touched.
     alignas(64) Lanes u0, slope, reach, u_low, u_high, v_low, v_high, first, last;
     std::uint32_t empty, everything, thin, along_x;
   };
@@ -86,11 +85,11 @@ struct TileRaster {
       y_low = i == 0 ? y[0] : xsimd::min(y_low, y[i]);
       y_high = i == 0 ? y[0] : xsimd::max(y_high, y[i]);
     }
-    // Too near the map's horizon, or not a number: everything, to be safe.
+    // Too near the map's horizon, or not a number: take all pixels.
     const Mask good = (w_least > F(0.02F)) & (size < F(1e6F));
     out.everything = block.by_box ? ~0U : packet::bits_of<P>(!good);
     const F e = F(block.error_px) + F(1e-6F) * size, e_row = F(block.error_px) + F(5e-6F) * size;
-    // Half the strip across, at whichever end it is wider.
+    // Half of the strip's width, at its wider end.
     const F half(0.5F);
     const F side_x = half * xsimd::max(xsimd::abs(x[1] - x[0]), xsimd::abs(x[2] - x[3]));
     const F side_y = half * xsimd::max(xsimd::abs(y[1] - y[0]), xsimd::abs(y[2] - y[3]));
@@ -139,8 +138,8 @@ struct TileRaster {
     }
   }
 
-  /// Writes the places (row * kTile + column) that quadrilateral k touches; returns where the next would go. Up to
-  /// kTilePixels + 16 entries are written. `valid_rows`: a bit a pixel, or null where all are valid.
+  /// Writes the places (row * kTile + column) that quadrilateral k touches, up to kTilePixels + 16 entries. Returns the
+  /// end of the output. `valid_rows`: one bit per pixel, or null if all are valid.
   BURIN_FLATTEN static std::uint16_t* draw(const TileBlock& block, const Quads& quads, int k,
                                            const std::uint32_t* valid_rows, std::uint16_t* to) {
     if ((quads.empty >> k & 1) != 0) return to;
@@ -169,8 +168,7 @@ struct TileRaster {
     return to;
   }
 
-  /// The columns, widened, between which a slab of rows row .. row + 1 of the strip lies; low above high where there is
-  /// nothing of it.
+  /// Widened columns of the strip in the slab row .. row + 1; low is above high if the slab is empty.
   [[gnu::always_inline]] static void extremes_of_quad(const Quads& quads, int k, const F& row, F& low, F& high) {
     const F e(quads.e[k]), e_row(quads.e_row[k]), far(std::numeric_limits<float>::infinity());
     const F top = row - e_row, bottom = row + F(1.0F) + e_row;
@@ -189,8 +187,8 @@ struct TileRaster {
     high = high + e;
   }
 
-  /// draw() for a thin strip: rows, or columns, of at most a few pixels each. Which of the two is no branch: strips of
-  /// either kind come in turn.
+  /// draw() for a thin strip: rows, or columns, of at most a few pixels each. No branch separates the two, because both
+  /// kinds alternate.
   [[gnu::always_inline]] static std::uint16_t* draw_line(const Quads& quads, int k, const std::uint32_t* valid_rows,
                                                          std::uint16_t* to) {
     const bool along_x = (quads.along_x >> k & 1) != 0;
@@ -221,9 +219,9 @@ struct TileRaster {
             place = _mm512_add_epi32(place, step);
             more = _mm512_sub_epi32(more, one);
             left = _mm512_mask_cmpge_epi32_mask(left, more, _mm512_setzero_si512());
-            return left != 0;  // more to put
+            return left != 0;  // more to write
           };
-          // A line crosses two pixels of a row, seldom more: no branch for those.
+          // A line crosses two pixels of a row, seldom more, so these need no branch.
           put_one();
           while (put_one()) {
           }
@@ -245,8 +243,8 @@ struct TileRaster {
     return to;
   }
 
-  /// Makes a tile's buffer longer than `n` by a packet. Much more is reserved, which costs no memory until it
-  /// is used: tiles differ, strokes grow, and an iteration seldom goes to the heap for either.
+  /// Makes a tile's buffer longer than `n` by a SIMD vector. It reserves much more, which costs no memory until use.
+  /// Tiles differ and strokes grow, so an iteration seldom needs the heap.
   template <class T>
   static void grow(std::vector<T>& v, std::size_t n) {
     if (v.size() >= n + 16) return;
@@ -254,8 +252,7 @@ struct TileRaster {
     v.resize(n + 16);
   }
 
-  /// The places of all runs, one run after the other: those of run r are place[begin[r]] .. place[begin[r + 1] - 1].
-  /// 16 zeros follow the last.
+  /// Places of all runs in order: run r has place[begin[r]] .. place[begin[r + 1] - 1]. 16 zeros follow the last.
   BURIN_FLATTEN static void find(std::span<const TileBlock> blocks, const TileRun* runs, const RunShapes& shapes,
                                  std::uint32_t count, const std::uint32_t* valid_rows,
                                  std::vector<std::uint32_t>& begin, std::vector<std::uint16_t>& place) {

@@ -1,8 +1,8 @@
-// burin/render/fast/tile_runs.h - scratches sorted into the tiles of a grid: one run for each tile that a scratch may
+// burin/render/fast/tile_runs.h - scratches sorted into the tiles of a grid, with one run per tile that a scratch may
 // touch.
 //
-// A tile's runs are in the order of the scratches, and so is a scratch's list of runs in tile order, whatever the
-// number of threads. Room is kept from one sort() to the next.
+// A tile's runs are in the order of the scratches, and a scratch's runs are in tile order, for any number of threads.
+// Memory persists from one sort() to the next.
 #pragma once
 
 #include <tbb/parallel_for.h>
@@ -19,7 +19,7 @@
 
 namespace burin {
 
-/// One number for each scratch, or one for all.
+/// One number per scratch, or one for all.
 template <typename T>
 struct Each {
   const T* values = nullptr;
@@ -28,15 +28,15 @@ struct Each {
   T operator[](std::size_t i) const { return values[shared ? 0 : i]; }
 };
 
-/// Straight grooves: their ends on the board, 2 / wt, and |t| <= rim across them. Arrays belong to the caller.
+/// Straight grooves: their ends on the board, 2 / wt, and |t| <= rim across them. The caller owns the arrays.
 struct ScratchLines {
   std::size_t count = 0;
   const double *x0_mm = nullptr, *y0_mm = nullptr, *x1_mm = nullptr, *y1_mm = nullptr;
   Each<float> per_mm, rim, alpha;
-  const std::uint8_t* part = nullptr;  ///< RunShape::part of each; null: 0
+  const std::uint8_t* part = nullptr;  ///< RunShape::part per scratch; null: 0
 };
 
-/// The unit vector across a scratch, (d.y, -d.x) / length for d from its first end to its second; along it is (-y, x).
+/// Unit vector across a scratch: (d.y, -d.x) / length for d from its first end to its second. (-y, x) runs along it.
 struct StripDirection {
   double x = 0, y = 0, length_mm = 0;
 };
@@ -56,14 +56,14 @@ class TileRuns {
   const StripDirection& across(std::size_t scratch) const { return across_[scratch]; }
 
   std::size_t chunk_count() const { return chunks_.size(); }
-  /// visit(chunk, scratch, numbers of its runs in tile order), chunks of scratches side by side. How scratches are
-  /// divided into chunks depends on their number alone. Numbers count over all tiles. fetch(run) is called for each run
-  /// a little before its visit, which will look all over memory.
+  /// visit(chunk, scratch, numbers of its runs in tile order), chunks of scratches in parallel. The division into
+  /// chunks depends on the number of scratches alone. Run numbers count over all tiles. fetch(run) precedes each visit
+  /// by a few runs and prefetches its scattered memory.
   template <typename Visit, typename Fetch>
   void each_scratch(const Visit& visit, const Fetch& fetch) const;
 
  private:
-  /// Scratches are handed to threads in at most this many parts, whatever the number of threads.
+  /// Largest number of parts of the scratches, for any number of threads.
   static constexpr std::size_t kMostChunks = 64, kLeastChunk = 256;
 
   struct Entry {
@@ -72,9 +72,9 @@ class TileRuns {
   struct Chunk {
     std::vector<std::uint32_t> touched;
     std::size_t entry_count = 0;
-    std::vector<Entry> entries;         // in scratch order; longer than what is in use
+    std::vector<Entry> entries;         // in scratch order; may be longer than the used part
     std::vector<std::uint32_t> slots;   // of the entries: number of the run
-    std::vector<std::uint32_t> counts;  // by tile; then where this chunk's next run of the tile goes
+    std::vector<std::uint32_t> counts;  // by tile; later the position of this chunk's next run of the tile
     std::size_t first = 0, last = 0;
   };
 

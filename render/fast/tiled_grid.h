@@ -1,5 +1,5 @@
-// burin/render/fast/tiled_grid.h - a grid of footprints as the fast path reads it: cut into tiles, in float.
-// Made once a grid, and shared by all views that look through it. Frame: burin/render/fast/tile.h.
+// burin/render/fast/tiled_grid.h - a grid of footprints as input of the fast path: divided into tiles, in float. Made
+// once per grid and shared by all of its views. Frame: burin/render/fast/tile.h.
 #pragma once
 
 #include <cstddef>
@@ -14,17 +14,17 @@ namespace burin {
 
 /// Immutable.
 struct TiledGrid {
-  /// The grid may go afterwards.
+  /// Keeps no reference to `grid`.
   explicit TiledGrid(const FootprintGrid& grid);
 
   int width = 0, height = 0;
   PixelIndex index;
   std::vector<TileLattice> lattice;  ///< by tile
-  std::vector<TileCorners> corners;  ///< by tile; empty where all corners lie on their lattices, as on boards
+  std::vector<TileCorners> corners;  ///< by tile; empty if all corners are on their lattices, as on boards
   std::vector<float> inv_area;       ///< 1 / mm^2, by tile * kTilePixels + place in the tile; 0 without a footprint
 
   std::size_t tiles() const { return lattice.size(); }
-  /// About how much memory it takes.
+  /// Approximate memory.
   std::size_t bytes() const {
     return lattice.size() *
                (sizeof(TileLattice) + sizeof(GridTile) + kTile * sizeof(std::uint32_t) + sizeof(TileBlock)) +
