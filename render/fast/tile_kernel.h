@@ -16,8 +16,8 @@
 //       where a level that is a pixel's edge adds another -t, which cancels unless the other level is an end
 //   dV/d(end moved along)                          = integral of W dt over the t where this end bounds the region
 // Each piece between breakpoints is one evaluation of mean moments. Most pairs have a single piece, [-rim, rim]: no
-// corner of the pixel is on the groove, and no end in the pixel leaves it through a side. They are evaluated directly.
-// Other pairs are deferred; their pieces are packed, so that SIMD vectors stay full.
+// corner of the pixel is on the groove, and an end in the pixel crosses the groove inside it. They are evaluated
+// directly. Other pairs are deferred; their pieces are packed, so that SIMD vectors stay full.
 #pragma once
 
 #include <array>

@@ -1,5 +1,5 @@
-// burin/render/fast/kernel/crossing.h - pixels in the units of the scratches that touch them: where the groove crosses
-// each one.
+// burin/render/fast/kernel/crossing.h - pixels in the units of the scratches that touch them, and the part of each
+// pixel on its groove.
 #pragma once
 
 #include <algorithm>
@@ -10,7 +10,7 @@
 
 namespace burin::kernel {
 
-/// Where the middles of a packet of pairs' pixels would be on the lattice, in the scratches' own units.
+/// Middles of the pixels of a SIMD vector of pairs on the lattice, in the scratches' units.
 template <class P>
 struct Middle {
   P coarse, fine, Y;
@@ -24,7 +24,7 @@ template <class P, class Constant>
           of(kMidY) + column * of(kColumnY) + row * of(kRowY)};
 }
 
-/// The pixels' corners in their scratches' own units. of(Line) is a constant of the scratches.
+/// The pixels' corners in their scratches' units. of(Line) returns a constant of the scratches.
 template <class P, class Constant>
 [[gnu::always_inline]] inline Edges<P> edges_of(const TileTask& task, const std::uint16_t* place,
                                                 const Middle<P>& middle, const Constant& of) {
@@ -39,11 +39,11 @@ template <class P, class Constant>
     e.Y[k] = middle.Y + (column * of(kColumnY) + row * of(kRowY));
   }
   if (task.corners != nullptr) {
-    // In floats from the first: rows of corners are one longer than rows of pixels.
+    // Offset in floats: rows of corners are one longer than rows of pixels.
     static_assert(TileCorners::kSide == kTile + 1);
     alignas(64) std::uint32_t at[kLanesOf<P>];
     for (int k = 0; k < kLanesOf<P>; ++k) at[k] = 2U * (place[k] + place[k] / kTile);
-    asm("" : "+m"(at));  // as above
+    asm("" : "+m"(at));  // through memory, as in Shading (shading.h)
     const float *corners = task.corners->at[0], *below = corners + 2 * TileCorners::kSide;
     P up[4], down[4];
     packet::four_columns(up, [&](int k) { return corners + at[k]; });
@@ -63,13 +63,13 @@ template <class P, class Constant>
   return e;
 }
 
-/// The part of each pixel that lies across its groove, as if the scratch had no ends.
+/// The part of each pixel across its groove, as if the scratch had no ends.
 template <class P>
 struct Crossing {
   P t_min, t_max, Y_min, Y_max;
-  P a, b;  // the groove reaches over [a, b] of the pixel
+  P a, b;  // range of t of the groove in the pixel
   P top1, top2, bottom1, bottom2;
-  P inside;         // above 0 where a corner lies between a and b
+  P inside;         // positive if a corner is between a and b
   MaskOf<P> along;  // a side runs along the groove
 };
 
@@ -90,8 +90,9 @@ template <class P, class Constant>
   return {e.t_min, e.t_max, e.Y_min, e.Y_max, a, b, top1, top2, bottom1, bottom2, inside, !slanting};
 }
 
-/// The same where all corners lie on the lattice: pixels are parallelograms, whose sides the constants hold. From the
-/// corner with the least t the steeper side goes up and then the flatter one, below it the other way round.
+/// crossing_of_corners() for corners on the lattice: pixels are parallelograms, and the constants hold their sides.
+/// From the corner with the least t the upper boundary has the steeper side first, then the flatter one. The lower
+/// boundary has the reverse order.
 template <class P, class Constant>
 [[gnu::always_inline]] inline Crossing<P> crossing_on_lattice(const std::uint16_t* place, const Constant& of) {
   const Middle<P> middle = middle_of<P>(place, of);
@@ -114,7 +115,7 @@ template <class P, class Constant>
   const P column = xsimd::abs(of(kColumnCoarse) + of(kColumnFine)), row = xsimd::abs(of(kRowCoarse) + of(kRowFine));
   const P t1 = c.t_min + column, t2 = c.t_min + row;
   c.inside = xsimd::max((t1 - c.a) * (c.b - t1), (t2 - c.a) * (c.b - t2));
-  // So nearly along it that its corners may round to the same t.
+  // Almost along the groove: its corners may round to the same t.
   c.along = xsimd::min(column, row) < P(1e-6F);
   return c;
 }

@@ -1,5 +1,5 @@
-// burin/render/fast/kernel/curves.h - a groove's pieces where its light is a curve across it: which curve a pair has,
-// and what it gives of a piece. docs/model.md 10.8 to 10.12, burin/render/fast/curve_tables.h.
+// burin/render/fast/kernel/curves.h - pieces of a groove with light as a curve across it: the curve of a pair, and the
+// sums of a piece. docs/model.md 10.8 to 10.12, burin/render/fast/curve_tables.h.
 #pragma once
 
 #include <cstdint>
@@ -10,11 +10,11 @@
 
 namespace burin::kernel {
 
-/// Which curves of a tile: R, and its derivatives.
+/// Curves of a tile: R and its derivatives.
 enum CurveSet : std::uint8_t { kCurveLight, kCurveTurn, kCurveAlpha, kCurveAcross, kCurveAlong };
 
-/// The knot before a pair's pixel (as RunCurve::number), and the share of the one behind it; by what a lone knot's
-/// light is to be multiplied there.
+/// The knot before a pair's pixel (as RunCurve::number), the weight of the knot after it, and the factor of a single
+/// knot's light.
 template <class P>
 struct PairCurve {
   P number, share, gain;
@@ -31,11 +31,11 @@ template <class P, class Run>
           xsimd::select(of[3] < zero, xsimd::max(one + far, zero), one)};
 }
 
-/// A place on the curves of a packet of pieces.
+/// A position on the curves of a SIMD vector of pieces.
 template <class P>
 struct CurvePlace {
-  alignas(64) std::uint32_t at[kLanesOf<P>];  ///< in floats: the node before it
-  P within;                                   ///< from there, in steps
+  alignas(64) std::uint32_t at[kLanesOf<P>];  ///< in floats: the node before the position
+  P within;                                   ///< distance from this node, in steps
 };
 template <class P>
 [[gnu::always_inline]] inline CurvePlace<P> curve_place(const TileCurves& curves, const P& number, const P& t) {
@@ -54,12 +54,12 @@ template <class P>
   return p;
 }
 
-/// R there, and its integrals from t = 0.
+/// R at a position, and its integrals from t = 0.
 template <class P>
 struct OnCurve {
   P light, sum, sum_of_sums;
 };
-/// `number`, `share`: as in PairCurve; `between`: whether a share of any lane is not 0.
+/// `number`, `share`: as in PairCurve; `between`: any lane has a nonzero share.
 template <class P>
 [[gnu::always_inline]] inline OnCurve<P> on_curve(const TileCurves& curves, CurveSet set, const CurvePlace<P>& p,
                                                   const P& number, const P& share, bool between) {
@@ -91,7 +91,7 @@ template <class P>
   return out;
 }
 
-/// Means over pieces: of R, and of R times the place from -1 to 1.
+/// Means over pieces: of R, and of R times the position from -1 to 1.
 template <class P>
 struct CurveMeans {
   P m0, m1;
@@ -99,7 +99,7 @@ struct CurveMeans {
 template <class P>
 [[gnu::always_inline]] inline CurveMeans<P> curve_means(const TileCurves& curves, const OnCurve<P>& a,
                                                         const OnCurve<P>& b, const P& length) {
-  // Differences of short pieces lose their digits; R is straight there.
+  // Differences over short pieces lose their digits, so R counts as linear there.
   const MaskOf<P> is_short = length < P(0.1F * curves.step);
   const P half(0.5F), per = inverse(xsimd::select(is_short, P(1.0F), length));
   const P m0 = (b.sum - a.sum) * per;
@@ -108,7 +108,7 @@ template <class P>
           xsimd::select(is_short, (b.light - a.light) * P(1.0F / 6), m1)};
 }
 
-/// As rest_of_pieces().
+/// Counterpart of rest_of_pieces() for curves.
 template <class P, KernelMode kMode>
 BURIN_FLATTEN inline void curve_pieces(const TileCurves& curves, TileBuffers& buffers, int i) {
   const P t1 = load<P>(buffers.t1 + i), t2 = load<P>(buffers.t2 + i), number = load<P>(buffers.curve + i),
@@ -158,7 +158,7 @@ inline void evaluate_any_pieces(const TileTask& task, TileBuffers& buffers, int 
     for (int i = 0; i < count; i += kLanesOf<P>) curve_pieces<P, kMode>(*task.curves, buffers, i);
 }
 
-/// Where light is a curve, what finish_crossing() and finish() know of it beside: nothing more.
+/// Counterpart of shade() for curves: the factors of finish_crossing() and finish(), without shading.
 template <class P, KernelMode kMode>
 [[gnu::always_inline]] inline void curve_factors(const TileTask& task, TileBuffers& buffers, const std::uint16_t* place,
                                                  const P& gain, int at) {
@@ -167,7 +167,7 @@ template <class P, KernelMode kMode>
   if constexpr (kMode == KernelMode::material) save(buffers.by_alpha + at, P(0.0F));
 }
 
-/// As rim_light(): light at the rims where they bound the groove, lo and hi being as far as the piece reaches.
+/// Counterpart of rim_light(): light at the rims that bound the groove; the piece extends from lo to hi.
 template <class P>
 [[gnu::always_inline]] inline P curve_rim_light(const TileCurves& curves, const PairCurve<P>& of, const P& lo,
                                                 const P& hi, const P& rim, const P& at_lo, const P& at_hi) {

@@ -1,5 +1,5 @@
 // burin/render/fast/kernel/cut_pairs.h - pairs of several pieces: their pixels have corners on the groove, or meet an
-// end of the scratch. They are cut into pieces a group at a time, and the pieces packed, so that packets stay full.
+// end of the scratch. They are cut into pieces group by group; the pieces are packed, so that SIMD vectors stay full.
 #pragma once
 
 #include <algorithm>
@@ -17,17 +17,18 @@
 
 namespace burin::kernel {
 
-/// A packet of pairs in their scratches' units, Y from within each pixel: it keeps its digits there (make_lines()).
+/// A SIMD vector of pairs in their scratches' units. Y counts from a point in each pixel, so it keeps its digits
+/// (make_lines()).
 template <class P>
 struct CutPacket {
   Edges<P> pixel;
-  P origin_Y, first, second;  ///< Y of that point, and of the scratch's ends from there
+  P origin_Y, first, second;  ///< Y of this point, and of the scratch's ends relative to it
   P alpha, rim, unit;
   P hx, hy, hz;        ///< the half vector in the scratch's frame
-  PairCurve<P> curve;  ///< instead of it, where light is a curve
+  PairCurve<P> curve;  ///< in place of the half vector, if light is a curve
 };
 
-/// Where n.h > 0: between lo and hi, nowhere in dark lanes, and over the whole groove in all lanes unless `partly`.
+/// Region with n.h > 0: between lo and hi; empty in dark lanes; the whole groove in all lanes unless `partly`.
 template <class P>
 struct Facing {
   P lo, hi;
@@ -74,11 +75,11 @@ template <class P, KernelMode kMode, bool kCurves>
   return c;
 }
 
-/// Corners only, or with where the pixel's edges meet the scratch's ends.
+/// Number of breakpoints: corners alone, or also intersections of the pixel's edges with the scratch's ends.
 template <bool kEnds>
 inline constexpr int kBreaks = kEnds ? 8 : 4;
 
-/// Where top and bottom change their slopes, within the groove, in order.
+/// Values of t within the groove at which top or bottom changes its slope, in order.
 template <class P, bool kEnds>
 [[gnu::always_inline]] inline void breakpoints(const CutPacket<P>& c, P (&t)[kBreaks<kEnds>]) {
   const Edges<P>& e = c.pixel;
@@ -111,7 +112,7 @@ template <class P, bool kEnds>
     for (const auto& n : kNetworkOf4) order(t[n[0]], t[n[1]]);
 }
 
-/// Between which levels the footprint cut with the scratch lies at each breakpoint.
+/// Levels of the footprint cut with the scratch at each breakpoint.
 template <class P, int kCount>
 [[gnu::always_inline]] inline void levels_at(const CutPacket<P>& c, const P (&t)[kCount], P (&top)[kCount],
                                              P (&bottom)[kCount]) {
@@ -119,8 +120,8 @@ template <class P, int kCount>
 #pragma GCC unroll 8
   for (int k = 0; k < kCount; ++k) {
     e.levels(t[k], c.first, c.second, top[k], bottom[k]);
-    // The outermost corners have no height, nor has the first breakpoint on them; an edge along the groove there is a
-    // piece without length but with a rise.
+    // The outermost corners have no height, nor has the first breakpoint on them. An edge along the groove there is a
+    // piece of zero length with a rise.
     MaskOf<P> outside = (t[k] < e.t_min) | (t[k] > e.t_max);
     if (k == 0)
       outside = outside | (t[k] == e.t_min);
@@ -134,14 +135,14 @@ template <class P, int kCount>
   }
 }
 
-/// Which of the scratch's ends bound a piece: 1 or 0.
+/// Ends of the scratch that bound a piece: 1 or 0.
 template <class P>
 struct EndsOfPiece {
   P first, second;
 };
 
-/// An end bounds a piece where it lies between the pixel's edges. Where an edge meets it is a breakpoint, near which
-/// rounding leaves the edge a little beside it, much where the edge is steep: so ask in the middle.
+/// An end bounds a piece if it is between the pixel's edges. Edges meet the end at breakpoints. There rounding moves an
+/// edge slightly, or far if it is steep, so the test uses the piece's middle.
 template <class P>
 [[gnu::always_inline]] inline EndsOfPiece<P> ends_of_piece(const CutPacket<P>& c, const Piece<P>& p) {
   const P middle = P(0.5F) * (p.t1 + p.t2);
@@ -152,7 +153,7 @@ template <class P>
           xsimd::select(within & (lower < c.second) & (upper > c.second), P(1.0F), P(0.0F))};
 }
 
-/// Puts the pieces of those lanes that `bits` names behind those in the buffers.
+/// Appends the pieces of the lanes selected by `bits` to the buffers.
 template <class P, KernelMode kMode, bool kCurves>
 [[gnu::always_inline]] inline void pack_pieces(TileBuffers& buffers, const CutPacket<P>& c, const Piece<P>& p,
                                                const EndsOfPiece<P>& on, std::uint32_t bits, int from) {
@@ -180,13 +181,13 @@ template <class P, KernelMode kMode, bool kCurves>
     buffers.piece_owner[buffers.piece_count++] = static_cast<std::uint16_t>(from + std::countr_zero(left));
 }
 
-/// Area of a packet of pairs, and of what its derivatives are made.
+/// Area of a SIMD vector of pairs, and the parts of its derivatives.
 template <class P>
 struct CutArea {
   P area, by_first, by_second, alone;
 };
 
-/// As limit_moves() asks for it, where n.h > 0 does not reach over the whole groove.
+/// `heights` of limit_moves(), if n.h > 0 does not hold over the whole groove.
 template <class P>
 [[gnu::always_inline]] inline P heights_at_limits(const CutPacket<P>& c, const P& lo, const P& hi) {
   const Edges<P>& e = c.pixel;
@@ -200,7 +201,7 @@ template <class P>
   return sum;
 }
 
-/// Keeps what does not depend on the pieces' light: areas, and the derivatives by limits that move.
+/// Stores quantities that do not depend on the pieces' light: areas, and the derivatives by moving limits.
 template <class P, KernelMode kMode, bool kCurves, int kCount>
 [[gnu::always_inline]] inline void store_areas(const TileTask& task, TileBuffers& buffers, const CutPacket<P>& c,
                                                const Facing<P>& facing, const CutArea<P>& sum, const P (&top)[kCount],
@@ -235,8 +236,8 @@ template <class P, KernelMode kMode, bool kCurves, int kCount>
   }
 }
 
-/// Cuts one packet of pairs at the pixels' corners and, with kEnds, at where their edges meet the scratch's ends: up
-/// to three or seven pieces each.
+/// Cuts one SIMD vector of pairs at the pixels' corners and, with kEnds, at the intersections of their edges with the
+/// scratch's ends. Each pair has at most three or seven pieces.
 template <class P, KernelMode kMode, bool kEnds, bool kCurves>
 BURIN_FLATTEN inline void cut(const TileWork& work, const ScatteredPacket& packet) {
   TileBuffers& buffers = work.buffers;
@@ -277,10 +278,10 @@ BURIN_FLATTEN inline void cut(const TileWork& work, const ScatteredPacket& packe
     store_areas<P, kMode, kCurves>(work.task, buffers, c, facing, sum, top, bottom, from);
 }
 
-/// Evaluates the pieces that cut() made and adds what they give to their pairs.
+/// Evaluates the pieces of cut() and adds their results to their pairs.
 template <class P, KernelMode kMode, bool kEnds, bool kCurves>
 BURIN_FLATTEN inline void add_pieces(const TileTask& task, TileBuffers& buffers) {
-  // Harmless pieces up to a full packet.
+  // Neutral pieces up to a full SIMD vector.
   for (int i = buffers.piece_count; i < buffers.piece_count + kLanesOf<P>; ++i) {
     buffers.t1[i] = buffers.t2[i] = buffers.top1[i] = buffers.top2[i] = buffers.bottom1[i] = buffers.bottom2[i] =
         buffers.hx[i] = buffers.hy[i] = 0;
@@ -330,7 +331,7 @@ BURIN_FLATTEN inline void add_pieces(const TileTask& task, TileBuffers& buffers)
   buffers.piece_count = 0;
 }
 
-/// The factors of one packet of pairs whose pieces are summed, what they add to their pixels, and their derivatives.
+/// Factors of one SIMD vector of pairs with summed pieces, their light in their pixels, and their derivatives.
 template <class P, KernelMode kMode, bool kEnds>
 BURIN_FLATTEN inline void finish(const TileWork& work, const ScatteredPacket& packet) {
   TileBuffers& buffers = work.buffers;
@@ -387,7 +388,7 @@ BURIN_FLATTEN inline void finish(const TileWork& work, const ScatteredPacket& pa
   }
 }
 
-/// Pairs set aside, a group at a time: cut, their pieces evaluated, and put in their places.
+/// Deferred pairs, group by group: cut, evaluate the pieces, and store the results by pair.
 template <class P, KernelMode kMode, bool kEnds, bool kCurves>
 inline void finish_set_aside(const TileWork& work, const PairsSetAside& aside) {
   constexpr std::size_t kGroup = TileBuffers::kPieces / kBreaks<kEnds>;

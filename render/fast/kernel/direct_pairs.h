@@ -1,5 +1,5 @@
-// burin/render/fast/kernel/direct_pairs.h - pairs of a single piece: the pixel has no corner on the groove, and an end
-// in it runs across the groove within it. Most pairs are such, and go straight through.
+// burin/render/fast/kernel/direct_pairs.h - pairs of a single piece: no corner of the pixel is on the groove, and an
+// end in the pixel crosses the groove inside it. Most pairs are of this kind and are evaluated directly.
 #pragma once
 
 #include <bit>
@@ -14,23 +14,23 @@
 
 namespace burin::kernel {
 
-/// Pairs that are not to be finished at once, as bits of the lanes.
+/// Deferred pairs, as bits of the lanes.
 struct SetAside {
   std::uint32_t corners, ends;
 };
 
-/// What a scratch's ends leave of crossings: their edges from a to b, and which lanes are no single piece.
+/// Crossings cut at a scratch's ends: their edges from a to b, and the lanes with several pieces or none.
 template <class P>
 struct WithinEnds {
   P top1, top2, bottom1, bottom2;
   MaskOf<P> raised1, capped1;     ///< at a: the first end bounds the piece, or the second
-  MaskOf<P> ends, corners, none;  ///< to be set aside; no single piece
+  MaskOf<P> ends, corners, none;  ///< deferred for an end, deferred for corners; without a single piece
 };
 template <class P>
 [[gnu::always_inline]] inline WithinEnds<P> within_ends(const Crossing<P>& e, const P& first, const P& second,
                                                         const P& rim) {
   const MaskOf<P> apart = (e.t_min >= rim) | (e.t_max <= -rim) | (e.Y_min >= second) | (e.Y_max <= first);
-  // At both ends of [a, b]: the pixel's edges, and whether one of the scratch's ends lies before them.
+  // At both ends of [a, b]: the pixel's edges, and whether an end of the scratch comes before them.
   P top1 = e.top1, top2 = e.top2, bottom1 = e.bottom1, bottom2 = e.bottom2;
   const MaskOf<P> capped1 = top1 > second, capped2 = top2 > second, raised1 = bottom1 < first,
                   raised2 = bottom2 < first;
@@ -40,9 +40,9 @@ template <class P>
   bottom2 = xsimd::max(bottom2, first);
   const MaskOf<P> closed1 = top1 < bottom1, closed2 = top2 < bottom2;
   const MaskOf<P> mixed = (capped1 != capped2) | (raised1 != raised2) | (closed1 != closed2);
-  // An end that lies in the pixel from a to b, or beside it, bounds a single piece as an edge does. So does a corner
-  // at a or b, unless one of the pixel's edges runs along the groove there: on the rim, too, where rounding may put a
-  // on either side of it.
+  // An end across the pixel from a to b, or outside it, bounds a single piece as an edge does. So does a corner at a or
+  // b. The exception is an edge of the pixel along the groove there, also on the rim: rounding may put a on either side
+  // of it.
   const P near(1e-6F);
   const MaskOf<P> has_corner = (e.t_min > -rim - near) | (e.t_max < rim + near);
   const MaskOf<P> corner_between = (e.inside > P(0.0F)) | (e.along & has_corner);
@@ -55,9 +55,8 @@ template <class P>
   return {top1, top2, bottom1, bottom2, raised1, capped1, ends, corners, none};
 }
 
-/// One packet of pairs whose pixels the groove crosses from side to side, or enters with an end square across it: a
-/// piece each, at `at`. The others become empty pieces: those to be set aside, and those that the groove does not
-/// meet at all.
+/// One SIMD vector of pairs with one piece each, at `at`: the groove crosses the pixel from side to side, or enters
+/// with an end square across it. Deferred pairs, and pairs whose pixel the groove misses, become empty pieces.
 template <class P, KernelMode kMode, bool kOnLattice, bool kCurves>
 [[gnu::always_inline]] BURIN_FLATTEN inline SetAside cross(const TileWork& work, const PairPacket& packet) {
   const TileTask& task = work.task;
@@ -93,7 +92,7 @@ template <class P, KernelMode kMode, bool kOnLattice, bool kCurves>
   const MaskOf<P>& none = cut.none;
   const P height1 = top1 - bottom1, height2 = top2 - bottom2;
   const P unit = xsimd::select(none, P(0.0F), constant(kUnit));
-  // Where n.h > 0, between lo and hi: on a deep groove one wall is often partly turned away.
+  // n.h > 0 between lo and hi. On a deep groove one wall often partly faces away.
   footprint::Limits<P> limits{-rim, rim};
   if constexpr (!kCurves) limits = footprint::front_facing(hx, hz, rim);
   const P lo = xsimd::max(limits.lo, a), hi = xsimd::min(limits.hi, b);
@@ -103,7 +102,7 @@ template <class P, KernelMode kMode, bool kOnLattice, bool kCurves>
   const Piece<P> p{
       lo, hi, top1 + at_lo * dtop, top1 + at_hi * dtop, bottom1 + at_lo * dbottom, bottom1 + at_hi * dbottom};
   const auto keep = [&](float* to, const P& v) { save(to + at, xsimd::select(dark, P(0.0F), v)); };
-  // Empty pieces are as long as their neighbors, but without height: short ones would be worked out in another way.
+  // Empty pieces keep the length of their neighbors but have no height, because short ones would use another method.
   const MaskOf<P> away = limits.lo >= limits.hi;
   save(buffers.t1 + at, xsimd::select(dark, xsimd::select(away, P(0.0F), limits.lo), p.t1));
   save(buffers.t2 + at, xsimd::select(dark, xsimd::select(away, P(0.0F), limits.hi), p.t2));
@@ -158,7 +157,7 @@ template <class P, KernelMode kMode, bool kOnLattice, bool kCurves>
   return {packet::bits_of<P>(cut.corners), packet::bits_of<P>(cut.ends)};
 }
 
-/// The factors of one packet of pairs that cross() began, what they add to their pixels, and their derivatives.
+/// Factors of one SIMD vector of cross()'s pairs, their light in their pixels, and their derivatives.
 template <class P, KernelMode kMode>
 [[gnu::always_inline]] BURIN_FLATTEN inline void finish_crossing(const TileWork& work, const PairPacket& packet) {
   TileBuffers& buffers = work.buffers;
@@ -176,7 +175,7 @@ template <class P, KernelMode kMode>
     const P turn = load<P>(buffers.piece_turn + at) - (first - second) * load<P>(buffers.piece_first + at);
     save(to.shift + pair, gain * load<P>(buffers.piece_shift + at) - base * load<P>(&buffers.area_shift[pair]));
     save(to.turn + pair, gain * (turn + load<P>(buffers.moving_turn + at)) - base * load<P>(&buffers.area_turn[pair]));
-    // Without asking whether there are any: wrong guesses cost more.
+    // No test for an empty mask, because mispredicted branches cost more.
     const std::uint32_t bits = packet::bits_of<P>(first + second > P(0.0F)) & lane_bits(packet.lanes);
     const P area = load<P>(buffers.a_first + at), both = gain * load<P>(buffers.piece_mean + at) - base * area;
     TileBuffers::DirectEnds& ends = buffers.direct_ends;
@@ -201,7 +200,7 @@ template <class P, KernelMode kMode>
   add_to_pixels(light, load<P>(buffers.area + at), &work.places.place[pair], packet.lanes, buffers.sums);
 }
 
-/// Lists the ends that a chunk's finish_crossing() found.
+/// Appends the ends of a chunk's finish_crossing().
 inline void list_direct_ends(TileBuffers& buffers, TilePairs& pairs) {
   TileBuffers::DirectEnds& ends = buffers.direct_ends;
   for (int i = 0; i < ends.count; ++i)

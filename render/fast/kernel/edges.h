@@ -1,4 +1,4 @@
-// burin/render/fast/kernel/edges.h - a packet of convex quadrilaterals by their edges, as lines Y over t.
+// burin/render/fast/kernel/edges.h - edges of a SIMD vector of convex quadrilaterals, as lines Y over t.
 #pragma once
 
 #include <xsimd/xsimd.hpp>
@@ -7,7 +7,7 @@
 
 namespace burin::kernel {
 
-/// Where the mask says so, both levels become their middle: nothing lies between them.
+/// In the lanes of the mask, sets both levels to their middle, so the interval is empty.
 template <class P>
 [[gnu::always_inline]] inline void close_where(const MaskOf<P>& mask, P& top, P& bottom) {
   const P middle = P(0.5F) * (top + bottom);
@@ -22,7 +22,7 @@ template <class P>
   a = low;
 }
 
-/// Tops run towards smaller t, bottoms towards larger t.
+/// Edges of the top run towards smaller t, edges of the bottom towards larger t.
 template <class P>
 struct Edges {
   P t[4], Y[4], slope[4];
@@ -50,7 +50,7 @@ struct Edges {
     Y_max = xsimd::max(xsimd::max(Y[0], Y[1]), xsimd::max(Y[2], Y[3]));
   }
 
-  /// Cuts [bottom, top] to what the polygon has at t.
+  /// Cuts [bottom, top] to the polygon's extent at t.
   void cut_levels(const P& at, P& top, P& bottom) const {
     for (int i = 0; i < 4; ++i) {
       const P line = Y[i] + slope[i] * (at - t[i]);
@@ -59,7 +59,7 @@ struct Edges {
     }
   }
 
-  /// Between which levels the polygon lies at t, cut to [first, second]; one level twice where it does not.
+  /// The polygon's extent at t, cut to [first, second]; equal levels if it is empty.
   void levels(const P& at, const P& first, const P& second, P& top, P& bottom) const {
     top = second;
     bottom = first;

@@ -17,7 +17,7 @@
 
 namespace burin::kernel {
 
-/// Buffers long enough for the tile, and empty.
+/// Makes the buffers long enough for the tile, and empties them.
 template <class P, KernelMode kMode>
 inline void make_ready(const TileWork& work, std::size_t count) {
   using Raster = TileRaster<P>;
@@ -47,7 +47,7 @@ inline void evaluate_mode(const TileWork& work) {
   if constexpr (!kCurves)
     if (task.shapes.shared) shade_tile<P, kMode>(task, buffers);
   list_live_runs<P>(task, work.places, count, buffers);
-  // One chunk ahead: what was stored just now cannot be loaded at once.
+  // One chunk ahead, because data just stored cannot be loaded at once.
   std::uint32_t line = ~0U, made = 0;
   const auto number_chunk = [&](std::size_t chunk) {
     if (chunk < count)
@@ -61,7 +61,7 @@ inline void evaluate_mode(const TileWork& work) {
     const auto packet_at = [&](int i) { return PairPacket{line_of + i, chunk + i, i, std::min(kLanesOf<P>, n - i)}; };
     for (int i = 0; i < n; i += kLanesOf<P>) {
       for (; made <= line_of[i + kLanesOf<P> - 1]; made += kLanesOf<P>) {
-        // Fetched ahead, for the packet after the next: runs lie far apart in memory.
+        // Prefetch for the SIMD vector after the next, because runs are scattered in memory.
         const auto* ahead = reinterpret_cast<const char*>(&task.runs[buffers.live[made]] + 2 * kLanesOf<P>);
         for (std::size_t byte = 0; byte < kLanesOf<P> * sizeof(TileRun); byte += 64) __builtin_prefetch(ahead + byte);
         make_lines<P>(

@@ -1,4 +1,4 @@
-// burin/render/fast/kernel/gather.h - the backward pass of one tile, and what covered pixels take back.
+// burin/render/fast/kernel/gather.h - the backward pass of one tile, and the correction of covered pixels.
 #pragma once
 
 #include <algorithm>
@@ -42,7 +42,7 @@ BURIN_FLATTEN inline void gather_mode(const TileTask& task, const TilePlaces& pl
   const P lane = packet::lane_numbers<P>();
   for (std::uint32_t first = 0; first < task.run_count; first += kLanesOf<P>) {
     const std::uint32_t stop = std::min<std::uint32_t>(first + kLanesOf<P>, task.run_count);
-    P sums[kSums][kLanesOf<P>];  // a packet a run: shift, turn, width, rim, alpha
+    P sums[kSums][kLanesOf<P>];  // one SIMD vector per run: shift, turn, width, rim, alpha
     for (std::uint32_t r = first; r < stop; ++r) {
       const std::size_t last = places.begin[r + 1];
       P sum[kSums];

@@ -1,5 +1,5 @@
-// burin/render/fast/kernel/lamp_knots.h - the curves of a tile's strips under a lamp, made at a few places along each
-// (burin/render/fast/lamp_curves.h). docs/model.md 8.6.
+// burin/render/fast/kernel/lamp_knots.h - the curves of a tile's strips under a lamp, made at a few positions along
+// each (burin/render/fast/lamp_curves.h). docs/model.md 8.6.
 #pragma once
 
 #include <algorithm>
@@ -13,8 +13,8 @@
 
 namespace burin::kernel {
 
-/// One point of the lamp as a place on a strip sees it: the half vector in the strip's frame (x across it, y along
-/// it), what D is to be multiplied with, and how that grows with alpha (d log / d alpha).
+/// One point of the lamp for one position on a strip: the half vector in the strip's frame (x across, y along), the
+/// factor of D, and its derivative by alpha (d log / d alpha).
 struct SeenPoint {
   float h_x, h_y, h_z, strength, by_alpha;
 };
@@ -38,8 +38,8 @@ inline SeenPoint seen_point(const LampFit& fit, float column, float row, float a
   return out;
 }
 
-/// The light of one point on a section's walls, added to `to`: a set of rows each of R, its derivatives by the strip's
-/// turn, by alpha, and by h across and along the strip, its third share following.
+/// Adds the light of one point on a section's walls to `to`. Each set has rows of R and its derivatives: by the strip's
+/// turn, by alpha, and by h across and along the strip. The third component of h follows.
 template <class P, int kSets>
 BURIN_FLATTEN inline void add_light(const SectionLeans& leans, const SectionLeans::Part& part, const SeenPoint& h,
                                     float alpha, float across, float* to) {
@@ -49,7 +49,7 @@ BURIN_FLATTEN inline void add_light(const SectionLeans& leans, const SectionLean
   const P strength = P(h.strength * 0.318309886F / across) * along2, by_alpha(h.by_alpha), per_alpha(1 / alpha);
   for (int i = 0; i < size; i += kLanesOf<P>) {
     const P sine = load<P>(&part.sine[i]), cosine = load<P>(&part.cosine[i]);
-    // docs/model.md 3.7, on a wall that leans so.
+    // docs/model.md 3.7, on a wall of this lean.
     const P m = xsimd::fma(x, cosine, z * sine), nh = xsimd::fms(z, cosine, x * sine);
     const P m2 = across2 * m * m, Q = xsimd::fma(nh, nh, m2 + y2), per_Q = inverse(Q);
     const P D = xsimd::select(nh > zero, strength * per_Q * per_Q, zero);
@@ -70,18 +70,18 @@ BURIN_FLATTEN inline void add_light(const SectionLeans& leans, const SectionLean
   }
 }
 
-/// From rows of light to a curve's nodes.
+/// Converts rows of light to a curve's nodes.
 template <class P>
 BURIN_FLATTEN inline void make_nodes(const SectionLeans& leans, const float* light, float* to) {
   constexpr int kGauss = SectionLeans::kGauss;
-  // Shares of the integral over a step, and of its mean of (1 - place).
+  // Weights of the integral over a step, and of the mean of (1 - position) over it.
   constexpr float kShare[kGauss] = {0.17392742F, 0.32607258F, 0.32607258F, 0.17392742F};
   constexpr float kRest[kGauss] = {0.16185132F, 0.21846554F, 0.10760703F, 0.01207610F};
   const int stride = leans.stride, middle = leans.half_count, nodes = 2 * middle + 1;
   const P step2(leans.step * leans.step), half_step2 = P(0.5F) * step2;
   const float* const ends = light + static_cast<std::ptrdiff_t>(kGauss) * stride;
   alignas(64) float sums[kLanesOf<P>], rests[kLanesOf<P>], lights[kLanesOf<P>];
-  // What the integrals grow by from a node to the next ...
+  // Increments of the integrals from node to node ...
   for (int i = 0; i < nodes; i += kLanesOf<P>) {
     P whole(0.0F), rest(0.0F);
     for (int j = 0; j < kGauss; ++j) {
@@ -100,7 +100,7 @@ BURIN_FLATTEN inline void make_nodes(const SectionLeans& leans, const float* lig
       node[2] = lights[k];
     }
   }
-  // ... and they themselves, from the middle to either side: far from where they begin they lose digits.
+  // ... and their sums, from the middle to either side, because integrals lose digits far from their start.
   float sum = 0, sum_of_sums = 0;  // step times the integral, and the integral of that
   for (int k = middle; k < nodes; ++k) {
     float* const node = to + static_cast<std::ptrdiff_t>(kCurveNode) * k;
@@ -120,7 +120,7 @@ BURIN_FLATTEN inline void make_nodes(const SectionLeans& leans, const float* lig
   }
 }
 
-/// Whether two runs lie on one line and have one curve.
+/// Whether two runs are on one line and have one curve.
 inline bool same_line(const TileTask& task, std::uint32_t a, std::uint32_t b) {
   constexpr float kTurn = 1e-5F, kShift = 1e-3F;
   const TileRun &x = task.runs[a], &y = task.runs[b];
@@ -132,7 +132,7 @@ inline bool same_line(const TileTask& task, std::uint32_t a, std::uint32_t b) {
 template <class P, int kSets>
 inline void make_lamp_curves_of(const LampCurves& lamp, const TileTask& task, const TilePlaces& places,
                                 std::size_t tile, TileCurves& to) {
-  constexpr float kKnot = 0.06F;  // of the roughness: by how much h may turn from a knot to the next
+  constexpr float kKnot = 0.06F;  // of the roughness: largest turn of h between knots
   constexpr int kMostSteps = 64;
   const SectionLeans& leans = lamp.leans;
   const int size = SectionLeans::kRows * leans.stride, nodes = 2 * leans.half_count + 1;
@@ -152,7 +152,7 @@ inline void make_lamp_curves_of(const LampCurves& lamp, const TileTask& task, co
       ++r;
       continue;
     }
-    // Pieces of one groove follow one another: they share their knots.
+    // Successive runs may be pieces of one groove. They share their knots.
     const auto number = [&](std::uint32_t run, int what) { return to.lines[what * to.line_stride + run]; };
     float from = number(r, kFromY), until = from + number(r, kLength);
     std::uint32_t last = r + 1;
@@ -177,7 +177,7 @@ inline void make_lamp_curves_of(const LampCurves& lamp, const TileTask& task, co
       if (has_pairs(k))
         to.runs[k] = {static_cast<float>(knots + 1), from, length > 0 ? static_cast<float>(steps) / length : 0.0F,
                       static_cast<float>(steps - 1)};
-    // A knot more, which is read where the share of the next is 0.
+    // One more knot, which is read if the next one's share is 0.
     to.grow_knots((knots + steps + 2) * to.knot_floats);
     for (int k = 0; k <= steps; ++k, ++knots) {
       const float Y = from + static_cast<float>(k) * step;

@@ -1,4 +1,4 @@
-// burin/render/fast/kernel/lines.h - what pairs need of their scratch, made once a run (Line in
+// burin/render/fast/kernel/lines.h - constants of a scratch for its pairs, made once per run (Line in
 // burin/render/fast/tile_kernel.h).
 #pragma once
 
@@ -9,9 +9,9 @@
 
 namespace burin::kernel {
 
-/// The lines of the runs number(0) .. number(kLanesOf<P> - 1), into column `at` and on. With `place`, a pixel for each
-/// of them: what the lines say of pixel (0, 0) is said of that pixel, and Y counts from kOriginY, which lies in it: Y
-/// keeps its digits where a scratch's end and a pixel's side nearly meet.
+/// The lines of the runs number(0) .. number(kLanesOf<P> - 1), from column `at` on. With `place`, one pixel per run,
+/// the lines refer to this pixel instead of pixel (0, 0). Y then counts from kOriginY, a point in the pixel. So Y keeps
+/// its digits if a scratch's end and a pixel's side nearly meet.
 template <class P, class Number>
 BURIN_FLATTEN inline void make_lines(const TileTask& task, const Number& number, float (*to)[TileBuffers::kLines],
                                      int at, const std::uint16_t* place = nullptr) {
@@ -49,7 +49,7 @@ BURIN_FLATTEN inline void make_lines(const TileTask& task, const Number& number,
     packet::store_floats<P>(Y[0] + k, mid_Y);
     packet::store_floats<P>(Y[1] + k, tx * D(lattice.column_y) - ty * D(lattice.column_x));
     packet::store_floats<P>(Y[2] + k, tx * D(lattice.row_y) - ty * D(lattice.row_x));
-    // Added and taken away again, a large number leaves multiples of 2^-21 of the power of two in `size`.
+    // Adding and subtracting a large number leaves multiples of 2^-21 of the power of two in `size`.
     const D size = xsimd::abs(t[0]) + D(kTile) * (xsimd::abs(t[1]) + xsimd::abs(t[2]));
     const D exponent_bits(std::numeric_limits<double>::infinity());
     const D large = D(3.0 * (1 << 30)) * (size & exponent_bits);
@@ -73,7 +73,7 @@ BURIN_FLATTEN inline void make_lines(const TileTask& task, const Number& number,
   if (place != nullptr) put(kOriginY, P::load_aligned(origin));
   put(kColumnY, column_Y);
   put(kRowY, row_Y);
-  // A pixel's sides, taken towards larger t.
+  // A pixel's sides, directed towards larger t.
   const P half(0.5F), column = column_coarse + column_fine, row_t = row_coarse + row_fine;
   const MaskOf<P> column_back = column < P(0.0F), row_back = row_t < P(0.0F);
   const P u = xsimd::abs(column), v = xsimd::abs(row_t);

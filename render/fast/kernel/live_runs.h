@@ -1,4 +1,4 @@
-// burin/render/fast/kernel/live_runs.h - the runs of a tile that have pairs, and which of them each pair belongs to.
+// burin/render/fast/kernel/live_runs.h - the runs of a tile with pairs, and the run of each pair.
 #pragma once
 
 #include <algorithm>
@@ -12,7 +12,7 @@
 
 namespace burin::kernel {
 
-/// Adds those of a packet's pairs that `bits` names. Without asking whether there are any: wrong guesses cost more.
+/// Adds the pairs selected by `bits`. No test for an empty mask, because mispredicted branches cost more.
 template <class P>
 [[gnu::always_inline]] inline void set_aside(PairsSetAside& aside, const PairPacket& packet, std::uint32_t bits) {
   packet::pack_numbers<P>(&aside.line[aside.count], &aside.pair[aside.count], packet.line,
@@ -20,7 +20,7 @@ template <class P>
   aside.count += static_cast<std::size_t>(std::popcount(bits));
 }
 
-/// Lists the runs that have pairs; a packet more, all the last. Marks each one's first pair.
+/// Lists the runs with pairs, and repeats the last over one more SIMD vector. Marks the first pair of each.
 template <class P>
 inline void list_live_runs(const TileTask& task, const TilePlaces& places, std::size_t count, TileBuffers& buffers) {
   TileRaster<P>::grow(buffers.live, std::max<std::size_t>(task.run_count, task.most_runs));
@@ -36,7 +36,7 @@ inline void list_live_runs(const TileTask& task, const TilePlaces& places, std::
   std::fill_n(buffers.live.data() + n, kLanesOf<P>, n > 0 ? buffers.live[n - 1] : 0);
 }
 
-/// How many of bits 0 .. k of a byte are set.
+/// Number of set bits among bits 0 .. k of a byte.
 struct CountsOfBits {
   std::uint8_t of[256][8] = {};
 
@@ -48,12 +48,12 @@ struct CountsOfBits {
 };
 inline constexpr CountsOfBits kCountsOfBits{};
 
-/// Numbers the runs of a chunk's pairs among the live ones, by where runs start; `line` is the number of the last
-/// pair before it, and then of its last.
+/// Numbers the runs of a chunk's pairs among the live ones, from the marks of first pairs. `line` is the number of the
+/// last pair before the chunk, and on return of its last pair.
 template <class P>
 BURIN_FLATTEN inline void number_lines(const std::uint8_t* starts, std::uint32_t& line, std::uint32_t* to) {
   for (int i = 0; i < TileBuffers::kChunk; i += 8) {
-    std::uint8_t count[8];  // a copy: bytes may lie anywhere, also where numbers are stored
+    std::uint8_t count[8];  // a copy, because bytes may alias the numbers
     std::memcpy(count, kCountsOfBits.of[starts[i / 8]], sizeof(count));
     for (int k = 0; k < 8; ++k) to[i + k] = line + count[k];
     line += count[7];

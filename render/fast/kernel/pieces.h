@@ -1,5 +1,5 @@
-// burin/render/fast/kernel/pieces.h - a groove's pieces between breakpoints, and what the footprint integral gives of
-// each. docs/model.md 4.
+// burin/render/fast/kernel/pieces.h - a groove's pieces between breakpoints, and their footprint integrals.
+// docs/model.md 4.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,7 @@ struct Piece {
   P t1, t2, top1, top2, bottom1, bottom2;
 };
 
-/// The part of a piece within [lo, hi]; says where nothing is left.
+/// Cuts a piece to [lo, hi]; returns the lanes with an empty result.
 template <class P>
 [[gnu::always_inline]] inline MaskOf<P> clip(Piece<P>& p, const P& lo, const P& hi) {
   const P ta = xsimd::max(p.t1, lo), tb = xsimd::min(p.t2, hi);
@@ -47,7 +47,7 @@ BURIN_FLATTEN inline void front_of_pieces(TileBuffers& buffers, int i) {
   for (int k = 0; k < 7; ++k) save(buffers.lobes[k] + i, *kept[k]);
 }
 
-/// As front_of_pieces() made them.
+/// The lobes of front_of_pieces().
 template <class P, footprint::Parts kParts>
 [[gnu::always_inline]] inline footprint::Lobes<P> lobes_of_pieces(const TileBuffers& buffers, int i) {
   if constexpr (kParts == footprint::Parts::all)
@@ -101,8 +101,8 @@ BURIN_FLATTEN inline void rest_of_pieces(TileBuffers& buffers, int i) {
   }
 }
 
-/// Evaluates pieces 0 .. count - 1, without the factors that are the same for all pieces of a pair. In two passes,
-/// one a lobe: a core looks only some hundred instructions ahead, and so it always has several packets in hand.
+/// Evaluates pieces 0 .. count - 1, without the common factors of a pair's pieces. Two passes, one per lobe: a core
+/// looks only some hundred instructions ahead, so this keeps several SIMD vectors in flight.
 template <class P, KernelMode kMode>
 inline void evaluate_pieces(TileBuffers& buffers, int count) {
   constexpr footprint::Parts kParts = kMode == KernelMode::value  ? footprint::Parts::value
@@ -112,9 +112,9 @@ inline void evaluate_pieces(TileBuffers& buffers, int count) {
   for (int i = 0; i < count; i += kLanesOf<P>) rest_of_pieces<P, kMode, kParts>(buffers, i);
 }
 
-/// Where n.h > 0 ends between the rims, that limit moves with h: dV by h turned with the scratch, and by its shares
-/// across and along it. W is 1 there; `heights`: the sum over the limits of the piece's height times t, the first's
-/// with its sign as it is.
+/// If n.h = 0 between the rims, this limit moves with h. Derivatives of V are by h turned with the scratch, and by its
+/// components across and along the scratch. W is 1 there. `heights`: sum over the limits of the piece's height times t,
+/// with the first limit's sign unchanged.
 template <class P>
 struct LimitMoves {
   P turn, across, along;
@@ -126,7 +126,7 @@ template <class P>
   return {hy * by_hx, in_z * H2, in_z * hx * hy};
 }
 
-/// Light at the rims, where they bound the groove: dV / d rim.
+/// Light at the rims that bound the groove: dV / d rim.
 template <class P>
 [[gnu::always_inline]] inline P rim_light(const P& hx, const P& hy, const P& hz, const P& alpha, const P& lo,
                                           const P& hi, const P& rim, const P& at_lo, const P& at_hi) {

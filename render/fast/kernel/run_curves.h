@@ -1,4 +1,4 @@
-// burin/render/fast/kernel/run_curves.h - the curves of a tile's runs, at a few places along each
+// burin/render/fast/kernel/run_curves.h - the curves of a tile's runs, at a few positions along each
 // (burin/render/fast/curve_tables.h). docs/model.md 10.12.
 #pragma once
 
@@ -16,7 +16,7 @@
 
 namespace burin::kernel {
 
-/// atan2(y, x) of unit vectors with y >= 0, within 1e-5 (Abramowitz and Stegun, 4.4.49).
+/// atan2(y, x) of unit vectors with y >= 0, error 1e-5 (Abramowitz and Stegun, 4.4.49).
 template <class P>
 [[gnu::always_inline]] inline P azimuth_of(const P& x, const P& y) {
   const P half_turn(3.14159265F), ax = xsimd::abs(x);
@@ -29,13 +29,13 @@ template <class P>
   return xsimd::select(x < P(0.0F), half_turn - first, first);
 }
 
-/// The curves that a knot is made of: four directions of some places.
+/// Tabulated curves that a knot interpolates: four directions of some places.
 struct KnotPlaces {
   const std::int16_t* at[16];
   float share[16];
   int count = 0;
 
-  /// Direction -1 of one place alone.
+  /// Uses a single place, from direction -1.
   void hold(const CurveTables& tables, int column, int row) {
     at[0] = tables.data.data() + (static_cast<std::size_t>(row) * tables.columns + column) * tables.place_floats();
     share[0] = 1;
@@ -72,7 +72,7 @@ template <class P>
     }
 }
 
-/// Roughnesses of a part's tables near one, with Lagrange's shares in log(alpha), and the shares' slopes by alpha.
+/// Roughnesses of a part's tables near a given one, with Lagrange weights in log(alpha) and their derivatives by alpha.
 struct RoughnessShares {
   int first = 0, count = 1;
   float share[3] = {1, 0, 0}, slope[3] = {};
@@ -97,7 +97,7 @@ inline RoughnessShares roughness_shares(const CurveTables& tables, float alpha) 
   return out;
 }
 
-/// One knot's curves: with kSets 1 R, with 2 and dR by the turn, with 3 and dR by alpha.
+/// One knot's curves. kSets = 1: R; 2: also dR by the turn; 3: also dR by alpha.
 template <class P, int kSets>
 BURIN_FLATTEN inline void sum_knot(const CurveTables& tables, const KnotPlaces& places, const float (&share)[4],
                                    const float (&slope)[4], const RoughnessShares& rough, float* to) {
@@ -134,8 +134,8 @@ BURIN_FLATTEN inline void sum_knot(const CurveTables& tables, const KnotPlaces& 
   }
 }
 
-/// A tile's own curves, where the half vector turns so little in it that light is linear over it: of each direction
-/// that a run asks for, three rows, at the tile's middle and by a column and a row.
+/// A tile's own curves, if the half vector turns so little in it that light is linear over it. Each requested direction
+/// has three rows: at the tile's middle, by a column and by a row.
 template <class P>
 class TileRows {
  public:
@@ -173,7 +173,7 @@ class TileRows {
 
   float middle_column = 0, middle_row = 0;  ///< of the tile, in the picture
 
-  /// Makes ready what run after run will ask for, in the order that it lies in memory.
+  /// Makes the requested rows in memory order, before the runs use them.
   void make_wanted(int roughness) {
     constexpr std::size_t kAhead = 3;
     const std::size_t first = static_cast<std::size_t>(roughness) * directions_;
@@ -186,14 +186,15 @@ class TileRows {
     }
   }
 
-  /// Of four directions from `direction` on (-1 is the first), at a roughness.
+  /// Rows of four directions from `direction` on (-1 is the first), at a roughness.
   const float* of(int direction, int roughness) {
     const std::size_t first = place(direction, roughness);
     for (std::size_t d = first; d < first + 4; ++d)
       if (to_.row_made[d] == 0) make(d);
     return to_.rows.data() + first * 3 * row_floats_;
   }
-  /// Their light over the whole groove, from rim to rim: at the middle, by a column, by a row, a fourth unused.
+  /// Light of these rows over the whole groove, from rim to rim: at the middle, by a column, by a row; the fourth is
+  /// unused.
   const float* light_of(int direction, int roughness) const {
     return to_.row_light.data() + 4 * place(direction, roughness);
   }
@@ -220,7 +221,7 @@ class TileRows {
       const P unit = load<P>(&tables_.unit[i]);
       for (int j = 0; j < 3; ++j) save(at + j * row_floats_ + i, P(unit * v[j]));
     }
-    // The second number of a node is the integral up to there.
+    // The second number of a node is the integral up to the node.
     const std::size_t last = static_cast<std::size_t>(2 * kCurveNode) * tables_.half_count;
     for (int j = 0; j < 3; ++j, at += row_floats_) to_.row_light[4 * d + j] = at[last + 1] - at[1];
   }
@@ -233,8 +234,7 @@ class TileRows {
   int count_ = 0;
 };
 
-/// As sum_knot(), of kKnots knots at once, from a tile's own rows. `column`, `row`: of the knots, from the tile's
-/// middle.
+/// sum_knot() for kKnots knots at once, from a tile's own rows. `column`, `row`: of the knots, from the tile's middle.
 template <class P, int kSets, int kKnots>
 BURIN_FLATTEN inline void sum_tile_knots(TileRows<P>& rows, int direction, std::size_t floats, const float* column,
                                          const float* row, const float (&share)[4], const float (&slope)[4],
@@ -270,7 +270,7 @@ BURIN_FLATTEN inline void sum_tile_knots(TileRows<P>& rows, int direction, std::
   }
 }
 
-/// From mm to the lattice.
+/// Map from mm to the lattice.
 struct FromMm {
   float column_x, column_y, row_x, row_y, first_x, first_y;
 
@@ -285,25 +285,25 @@ struct FromMm {
   }
 };
 
-/// What its curves need of a run, in TileCurves::lines. Directions of grooves go over half a turn; beyond it the curve
-/// is the same the other way round. The middle line lies in the tile's lattice: pixel (column, row) = first + Y step.
+/// Constants of a run for its curves, in TileCurves::lines. Directions of grooves cover half a turn; beyond it the
+/// curve is reversed. On the tile's lattice the middle line is pixel (column, row) = first + Y step.
 enum RunNumber : std::uint8_t {
   kSign,
-  kDirection,                 ///< the first of the four neighbors, -1 or more
-  kShare,                     ///< of the four
-  kSlope = kShare + 4,        ///< of their shares, by radians
+  kDirection,                 ///< first of the four neighbors, at least -1
+  kShare,                     ///< weights of the four
+  kSlope = kShare + 4,        ///< their derivatives, per radian
   kFirstColumn = kSlope + 4,  ///< at Y = 0
   kFirstRow,                  ///< at Y = 0
-  kColumnStep,                ///< by a unit of Y
-  kRowStep,                   ///< by a unit of Y
-  kFromY,                     ///< where it enters the tile
-  kLength,                    ///< in Y, as far as it lies within the tile
-  kTurned,                    ///< by how much h turns over that, in units of the roughness
+  kColumnStep,                ///< per unit of Y
+  kRowStep,                   ///< per unit of Y
+  kFromY,                     ///< entry into the tile
+  kLength,                    ///< in Y, within the tile
+  kTurned,                    ///< turn of h over this length, in units of the roughness
   kRunNumbers
 };
 static_assert(kRunNumbers <= TileCurves::kMostLines);
 
-/// Where the tile's runs lie: kFirstColumn to kTurned.
+/// Paths of the tile's runs: kFirstColumn to kTurned.
 template <class P>
 BURIN_FLATTEN inline void make_run_paths(const TileTask& task, const TilePlaces& places, float lean_per_pixel,
                                          TileCurves& to) {
@@ -329,7 +329,7 @@ BURIN_FLATTEN inline void make_run_paths(const TileTask& task, const TilePlaces&
     };
     clip(column, column_step);
     clip(row, row_step);
-    // Where the middle line is not in the tile a pixel of the run is.
+    // If the middle line misses the tile, use a pixel of the run.
     alignas(64) std::uint16_t pixel[kLanesOf<P>];
     for (int k = 0; k < kLanesOf<P>; ++k) pixel[k] = places.place[places.begin[number(k)]];
     P pixel_column, pixel_row;
@@ -350,7 +350,7 @@ BURIN_FLATTEN inline void make_run_paths(const TileTask& task, const TilePlaces&
   }
 }
 
-/// What tables of directions need of the tile's runs: kSign to kSlope.
+/// Constants of the tile's runs for tables of directions: kSign to kSlope.
 template <class P>
 BURIN_FLATTEN inline void make_run_directions(const CurveTables& tables, const TileTask& task, TileCurves& to) {
   const P zero(0.0F), one(1.0F);
@@ -375,15 +375,15 @@ BURIN_FLATTEN inline void make_run_directions(const CurveTables& tables, const T
   }
 }
 
-/// A dark knot behind the last, which is read where the share of the next is 0, and runs that a packet reads beyond.
+/// Appends a dark knot, which is read if the next one's share is 0, and runs to fill a SIMD vector.
 inline void close_curves(std::uint32_t run_count, std::size_t knots, TileCurves& to) {
   to.grow_knots((knots + 1) * to.knot_floats);
   std::fill_n(to.knots.begin() + static_cast<std::ptrdiff_t>(knots * to.knot_floats), to.knot_floats, 0.0F);
   std::fill_n(to.runs.begin() + run_count, 16, RunCurve{});
 }
 
-/// By what share the light of a whole groove, from rim to rim, grows by a unit of Y: by what it is at the tile's middle
-/// and grows by a column and a row (`light`, of four directions). `column`, `row`: the place, from the tile's middle.
+/// Relative growth per unit of Y of a whole groove's light, from rim to rim. `light`: light at the tile's middle, and
+/// its change by a column and a row (of four directions). `column`, `row`: position from the tile's middle.
 inline float growth(const float (&light)[3], float column, float row, float column_step, float row_step) {
   const float all = light[0] + column * light[1] + row * light[2];
   return all > 0 ? (light[1] * column_step + light[2] * row_step) / all : 0;
@@ -392,8 +392,8 @@ inline float growth(const float (&light)[3], float column, float row, float colu
 template <class P, int kSets>
 inline void make_curves_of(const CurveTables& tables, const TileTask& task, const TilePlaces& places, int left, int top,
                            TileCurves& to) {
-  constexpr float kKnot = 0.15F;                // of the roughness: by how much h may turn from a knot to the next
-  constexpr float kLone = 0.7F, kStill = 0.2F;  // of that: one knot will do, scaled or as it is
+  constexpr float kKnot = 0.15F;                // of the roughness: largest turn of h between knots
+  constexpr float kLone = 0.7F, kStill = 0.2F;  // of kKnot: limits for a single knot, scaled or constant
   constexpr int kMostSteps = 64;
   const std::size_t floats = tables.row_floats;
   to.curve_floats = floats;
@@ -443,7 +443,7 @@ inline void make_curves_of(const CurveTables& tables, const TileTask& task, cons
     run.first_Y = from_Y;
     run.per_Y = steps > 0 ? static_cast<float>(steps) / length : 0;
     run.last = static_cast<float>(steps - 1);
-    // A knot more, which is read where the share of the next is 0.
+    // One more knot, which is read if the next one's share is 0.
     to.grow_knots((knots + steps + 2) * to.knot_floats);
     const float step = steps > 0 ? length / static_cast<float>(steps) : 0,
                 first = steps > 0 ? from_Y : from_Y + 0.5F * length;

@@ -1,5 +1,5 @@
-// burin/render/fast/kernel/shading.h - how pixels are lit and seen: the half vector, and the factors around the
-// footprint integral. docs/model.md 5.
+// burin/render/fast/kernel/shading.h - light and view of pixels: the half vector, and the factors around the footprint
+// integral. docs/model.md 5.
 #pragma once
 
 #include <algorithm>
@@ -9,7 +9,7 @@
 
 namespace burin::kernel {
 
-/// G and what of alpha's derivative is in it: (alpha^2 / pi) G, and d log(alpha^2 G) / d alpha.
+/// G with its part of the derivative by alpha: (alpha^2 / pi) G, and d log(alpha^2 G) / d alpha.
 template <class P>
 struct Factor {
   P value, by_alpha;
@@ -29,18 +29,18 @@ template <class P, KernelMode kMode>
   return f;
 }
 
-/// How a packet of pairs' pixels are lit and seen: the half vector and what `of` has beside it.
+/// Light and view of the pixels of a SIMD vector of pairs: the half vector and the other two numbers of `of`.
 template <class P>
 struct Shading {
   P h_x, h_y, h_z, beside[2];
 
   [[gnu::always_inline]] Shading(const float (*of)[4], const std::uint16_t* place) {
-    // To memory, whatever the compiler thinks: single lanes are slow to take out of a register.
+    // Forces a store, because extraction of single lanes from a register is slow.
     alignas(64) std::uint32_t at[kLanesOf<P>];
     for (int k = 0; k < kLanesOf<P>; ++k) at[k] = 4U * place[k];
     asm("" : "+m"(at));
     P shading[4];
-    const auto* const all = reinterpret_cast<const float*>(of);  // no row: `at` runs through all of them
+    const auto* const all = reinterpret_cast<const float*>(of);  // not one row: `at` indexes all rows
     packet::four_columns(shading, [&](int k) { return all + at[k]; });
     h_x = shading[0];
     h_y = shading[1];
@@ -51,8 +51,8 @@ struct Shading {
   }
 };
 
-/// How a packet of pairs' pixels are lit. Stores from `at` on: what light a pair sends for V = 1 and a unit of 1
-/// mm^2, the plain face's light a mm^2 there, and d log(alpha^2 G) / d alpha.
+/// Light of the pixels of a SIMD vector of pairs. Stores from `at` on: a pair's light for V = 1 and a unit of 1 mm^2,
+/// the plain face's light per mm^2, and d log(alpha^2 G) / d alpha.
 template <class P, KernelMode kMode>
 [[gnu::always_inline]] inline Shading<P> shade(const TileTask& task, TileBuffers& buffers, const std::uint16_t* place,
                                                const P& alpha, int at) {

@@ -1,4 +1,4 @@
-// burin/render/fast/kernel/spread.h - the derivatives of a tile's pairs added up in their pixels, as photos need them
+// burin/render/fast/kernel/spread.h - sums per pixel of the derivatives of a tile's pairs, for photos
 // (burin/render/fast/pixel_slopes.h). docs/model.md 8.7.
 #pragma once
 
@@ -72,8 +72,8 @@ BURIN_FLATTEN inline void spread(const TileTask& task, const TilePlaces& places,
               width = load<P>(jacobian.width + i);
       const P across = load<P>(jacobian.h_across + i), along = load<P>(jacobian.h_along + i);
       add_four<P>({ax * shift_mm, ay * shift_mm, ax * across - ay * along, ay * across + ax * along}, place, n, to);
-      // Turned about the pixel's middle instead of the foot of the tile's origin; without what the half vector then
-      // does in the scratch's frame; moved away from that middle, and wider.
+      // Turn about the pixel's middle instead of the foot of the tile's origin; the same without the turn of the half
+      // vector in the scratch's frame; motion away from the middle, and with a change of width.
       const P turn = load<P>(jacobian.turn + i) + Y * shift;
       const P hx = packet::look_up<P>(half_x, place), hy = packet::look_up<P>(half_y, place);
       const P bare = turn - ((ax * hy - ay * hx) * across - (ax * hx + ay * hy) * along);

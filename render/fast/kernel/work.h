@@ -1,5 +1,5 @@
-// burin/render/fast/kernel/work.h - what the stages of a tile kernel share: what they work on, packets in memory.
-// Included only by files that are compiled for one instruction set each (burin/render/fast/packet_math.h).
+// burin/render/fast/kernel/work.h - data that the stages of a tile kernel share, and SIMD vectors in memory. Only files
+// compiled for one instruction set each include it (burin/render/fast/packet_math.h).
 #pragma once
 
 #include <cstddef>
@@ -13,7 +13,7 @@ namespace burin::kernel {
 
 using packet::MaskOf;
 
-/// One tile's work, as evaluate() was asked for it.
+/// One tile's work: the arguments of evaluate().
 struct TileWork {
   const TileTask& task;
   const TilePlaces& places;
@@ -22,21 +22,21 @@ struct TileWork {
   const TileJacobian& jacobian;
 };
 
-/// A packet of pairs that lie one after the other.
+/// A SIMD vector of consecutive pairs.
 struct PairPacket {
-  const std::uint32_t* line;  ///< their runs' numbers among the live ones; readable for a whole packet
-  std::size_t pair;           ///< the first of them, as counted in the tile
-  int at;                     ///< where they stand in the buffers
-  int lanes;                  ///< how many of the packet they are
+  const std::uint32_t* line;  ///< numbers of their runs among the live ones; readable for a whole vector
+  std::size_t pair;           ///< the first pair, as counted in the tile
+  int at;                     ///< position in the buffers
+  int lanes;                  ///< number of lanes in use
 };
 
-/// The same for pairs that were set aside: they lie anywhere in the tile.
+/// PairPacket for deferred pairs, which are scattered over the tile.
 struct ScatteredPacket {
   const std::uint32_t *pair, *line;
   int at, lanes;
 };
 
-/// A bit for each lane in use.
+/// One bit for each lane in use.
 inline std::uint32_t lane_bits(int lanes) { return lanes >= 32 ? ~0U : (1U << lanes) - 1; }
 
 template <class P>
