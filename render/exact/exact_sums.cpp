@@ -3,7 +3,7 @@
 namespace burin {
 namespace {
 
-// One quantity summed over a pixel's scratches, with what it depends on.
+// One quantity summed over a pixel's scratches, with its derivatives.
 struct Sum {
   double value = 0;
   double depth = 0, width = 0, alpha = 0;  // per unit of the shared parameter
@@ -54,7 +54,7 @@ GrooveSums exact_sums(const ViewScene& scene, const Scratches& scratches, const 
     const FootprintGradient d = pair_integral_gradient(f, q, h);
     if (d.value.area_mm2 == 0) continue;
     if (own_alpha) g = shadowing(p.cos_i, p.cos_o, f.groove.alpha);
-    // A common factor's change moves each scratch's own value in proportion.
+    // A common factor changes each scratch's own value in proportion.
     const double alpha_unit = own_alpha ? f.groove.alpha / scene.material.alpha : 1;
     const double depth_unit = own_depth ? f.groove.depth_um / scene.material.depth_um : 1;
     const double width_unit = own_width ? f.groove.width_um / scene.tool_width_um : 1;

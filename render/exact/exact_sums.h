@@ -1,4 +1,4 @@
-// burin/render/exact/exact_sums.h - what a pixel's grooves sum up to, pair by pair in double: the twin of
+// burin/render/exact/exact_sums.h - sums over a pixel's grooves, pair by pair in double: the reference of
 // fast/pixel_slopes.h. docs/model.md 5. Frame: board, mm.
 #pragma once
 
@@ -16,7 +16,7 @@
 
 namespace burin {
 
-/// A view's pairs, grouped by pixel, so that nothing depends on the number of threads.
+/// A view's pairs, grouped by pixel, so that results do not depend on the number of threads.
 struct ExactPairs {
   PixelPairs pairs;
   std::vector<ScratchFrame> frames;  ///< of the scratches
@@ -24,7 +24,7 @@ struct ExactPairs {
 /// `widest_band_um` as in profile_bands().
 ExactPairs exact_pairs(const ViewScene& scene, const Scratches& scratches, double widest_band_um = 15);
 
-/// Of a pixel that is lit and seen, `pixel` being its number in the picture. Without `slopes` light and area only.
+/// Sums of a lit and visible pixel; `pixel` is its index in the picture. Without `slopes`, light and area only.
 GrooveSums exact_sums(const ViewScene& scene, const Scratches& scratches, const ExactPairs& of, std::size_t pixel,
                       const PixelShading& p, const std::array<Eigen::Vector2d, 4>& corners_mm, double pixel_area_mm2,
                       bool slopes);

@@ -1,5 +1,5 @@
-// burin/render/exact/exact_view.h - one view rendered pair by pair in double: slow, simple, what the fast path is
-// measured against. Frame: board, mm.
+// burin/render/exact/exact_view.h - one view rendered pair by pair in double: slow and simple, the reference of the
+// fast path. Frame: board, mm.
 // docs/model.md 5. Use it through burin/render/view_renderer.h (RenderOptions::use_double).
 #pragma once
 
@@ -19,24 +19,24 @@
 
 namespace burin {
 
-/// The part of a view that does not depend on scratches, for every pixel with a footprint.
+/// The part of a view without scratches, for every pixel with a footprint.
 struct ViewPixels {
   int channels = 1;
   std::vector<PixelShading> shading;  ///< width * height
-  std::vector<double> area_mm2;       ///< of the footprint; 0 where there is none
+  std::vector<double> area_mm2;       ///< of the footprint; 0 without one
 
   std::size_t size() const { return shading.size(); }
 };
 
-/// Throws Error for scene values out of range, a grid whose arrays do not fit its window, or channels other than 1
+/// Throws Error for scene values out of range, a grid with arrays that do not fit its window, or channels other than 1
 /// and 3.
 void check_view(const ViewScene& scene, int channels);
 
-/// Of a pixel with these corners; 0 where its footprint is none.
+/// Area of a pixel with these corners; 0 without a footprint.
 double footprint_area_mm2(const FootprintGrid& grid, std::size_t pixel,
                           const std::array<Eigen::Vector2d, 4>& corners_mm);
 
-/// The shading of one pixel that has a footprint; not lit where the lamp is hidden from it.
+/// The shading of one pixel with a footprint; not lit if it is hidden from the lamp.
 PixelShading shade_pixel(const ViewScene& scene, std::size_t pixel);
 
 /// Checks the scene and shades every pixel.
@@ -50,18 +50,18 @@ std::array<double, 3> ambient_radiance(const ViewScene& scene, int channels);
 
 class ExactView {
  public:
-  /// `scene` and `pixels` must outlive this.
-  /// `widest_band_um` as in profile_bands(): within a band light is even.
+  /// `scene` and `pixels` must outlive this object.
+  /// `widest_band_um` as in profile_bands(): within a band light is constant.
   ExactView(const ViewScene& scene, const ViewPixels& pixels, double widest_band_um = 15)
       : scene_(scene), pixels_(pixels), widest_band_um_(widest_band_um) {}
 
-  /// Radiance from the pairs given; with `keep_jacobian` for backward().
+  /// Radiance from the given pairs. `keep_jacobian` permits backward().
   void forward(const Scratches& scratches, PixelPairs pairs, bool keep_jacobian, Image& radiance);
   void backward(const Image& dE_dradiance, ScratchGradients& gradients) const;
   void add_contributions(std::vector<double>& contribution) const;
   std::size_t pair_count() const { return pairs_.scratch.size(); }
 
-  /// The last radiance before it was rounded to an Image.
+  /// The last radiance before rounding to an Image.
   const std::vector<double>& radiance() const { return radiance_; }
 
  private:

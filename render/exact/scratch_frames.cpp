@@ -9,7 +9,7 @@
 namespace burin {
 namespace {
 
-// Grooves of one key have one section.
+// Grooves of one key share a section.
 struct SectionKey {
   double width_um, depth_um;
   bool narrowed;

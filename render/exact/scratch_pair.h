@@ -1,10 +1,9 @@
-// burin/render/exact/scratch_pair.h - one scratch seen by one pixel, in double: from the footprint integral's own frame
-// to the board.
+// burin/render/exact/scratch_pair.h - one scratch in one pixel, in double: from the footprint integral's frame to the
+// board.
 //
-// The scratch's frame has y = (p1 - p0) / L along it and x across it; a pixel's corners, and its half vector in the
-// frame of the face (pixel_shading.h), are turned into it. Its derivatives are turned back: moving an end of a scratch
-// shifts and turns that frame, which moves corners and half vector, and changes L (docs/model.md 4.23). Frame: board
-// xy, mm.
+// The scratch's frame has y = (p1 - p0) / L along it and x across it. A pixel's corners, and its half vector in the
+// frame of the face (pixel_shading.h), are rotated into it. Derivatives are rotated back. An end that moves shifts and
+// turns this frame, which moves corners and half vector, and changes L (docs/model.md 4.23). Frame: board xy, mm.
 #pragma once
 
 #include <Eigen/Core>
@@ -24,11 +23,12 @@ namespace burin {
 struct ScratchFrame {
   Eigen::Vector2d p0{0, 0}, x{1, 0}, y{0, 1};
   GrooveSegment groove;
-  std::shared_ptr<const std::vector<ProfileBand>> bands;  ///< of a cross-section that is not the paper's; else none
-  double across = 1;                                      ///< of such a one: GrooveProfile::across
+  /// of a cross-section other than the paper's; null for the paper's
+  std::shared_ptr<const std::vector<ProfileBand>> bands;
+  double across = 1;  ///< GrooveProfile::across of this section
 };
 
-/// Without its bands.
+/// The frame without bands.
 inline ScratchFrame scratch_frame(const Scratches& s, std::size_t i, double width_um, const Material& material) {
   const double depth_um = material.depth_um, alpha = material.alpha;
   ScratchFrame f;
@@ -44,12 +44,12 @@ inline ScratchFrame scratch_frame(const Scratches& s, std::size_t i, double widt
   return f;
 }
 
-/// All of them, in the order of the scratches. Those of one width and depth share their section: pieces of a bent or
+/// Frames of all scratches, in order. Scratches of one width and depth share their section, because pieces of a bent or
 /// cut groove are many. `widest_um` as in profile_bands().
 std::vector<ScratchFrame> scratch_frames(const Scratches& scratches, double width_um, const Material& material,
                                          double widest_um = 15);
 
-/// The footprint integral of whichever cross-section, with its derivatives or without.
+/// Footprint integral for any cross-section, without or with derivatives.
 inline FootprintValue pair_integral(const ScratchFrame& f, const Quad& corners, const Eigen::Vector3d& h) {
   return f.bands == nullptr ? footprint_integral(f.groove, corners, h)
                             : profile_integral(f.groove, *f.bands, f.across, corners, h);
@@ -69,19 +69,19 @@ inline Eigen::Vector3d in_scratch(const ScratchFrame& f, const Eigen::Vector3d& 
   return {f.x.dot(h_face.head<2>()), f.y.dot(h_face.head<2>()), h_face.z()};
 }
 
-/// Derivatives of one quantity by the scratch's ends and by what the pixel brings, in the board's axes.
+/// Derivatives of one quantity by the scratch's ends and by the pixel's geometry, in the board's axes.
 struct PairGradient {
   Eigen::Vector2d p0{0, 0}, p1{0, 0};
   Eigen::Vector3d h_face{0, 0, 0};
   std::array<Eigen::Vector2d, 4> corner{};
 };
 
-/// From derivatives in the scratch's frame (corners, half vector, length) to the board's.
+/// Converts derivatives in the scratch's frame (corners, half vector, length) to the board's.
 inline PairGradient to_board(const ScratchFrame& f, const Quad& q, const Eigen::Vector3d& h_scratch,
                              const std::array<Eigen::Vector2d, 4>& by_corner, const Eigen::Vector3d& by_half,
                              double by_length) {
   PairGradient g;
-  // A turn of the frame by phi turns what lies in it by -phi.
+  // A turn of the frame by phi turns its contents by -phi.
   double by_turn = by_half.x() * h_scratch.y() - by_half.y() * h_scratch.x();
   Eigen::Vector2d by_shift(0, 0);
   for (int i = 0; i < 4; ++i) {
