@@ -1,5 +1,5 @@
-// burin/render/surroundings/exact_surroundings.h - one view under surroundings, pair by pair in double: the twin that
-// burin/render/surroundings/surroundings_view.h is checked against. Tables of facets are the same. docs/model.md 10.
+// burin/render/surroundings/exact_surroundings.h - one view under an environment map, pair by pair in double: the
+// reference of burin/render/surroundings/surroundings_view.h. Both use the same tables of facets. docs/model.md 10.
 #pragma once
 
 #include <cstddef>
@@ -14,15 +14,15 @@
 
 namespace burin {
 
-/// What SurroundingsView does.
+/// Double-precision counterpart of SurroundingsView.
 class ExactSurroundings {
  public:
   ExactSurroundings(const ViewScene& scene, const Light& light, const RenderOptions& options);
   ~ExactSurroundings();
 
-  /// Adds the radiance to `radiance`, which has the view's size. Deterministic, for any number of threads.
+  /// Adds the radiance to `radiance`, which has the view's size. Deterministic for any number of threads.
   void add_radiance(const Scratches& scratches, Image& radiance);
-  /// For the scratches of the last add_radiance().
+  /// Gradient for the scratches of the last add_radiance().
   void backward(const Image& dE_dradiance, ScratchGradients& gradients) const;
   void add_contributions(std::vector<double>& contribution) const;
   std::size_t pair_count() const;

@@ -1,4 +1,4 @@
-// burin/render/surroundings/face_light.h - what the plain face sends under surroundings, pixel by pixel: it varies
+// burin/render/surroundings/face_light.h - light of the plain face under an environment map, per pixel. It varies
 // slowly, so it is interpolated between the places of a lattice.
 #pragma once
 
@@ -8,8 +8,8 @@
 
 namespace burin {
 
-/// Radiance of the face, and by log(base_alpha): channels a pixel. 0 where the grid has no footprint or the camera is
-/// behind the face.
+/// Radiance of the face and its derivative by log(base_alpha), channels per pixel. 0 for pixels without a footprint or
+/// with the camera behind the face.
 struct FaceLight {
   std::vector<float> light, by_log_alpha;
 };

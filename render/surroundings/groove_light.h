@@ -1,9 +1,10 @@
-// burin/render/surroundings/groove_light.h - a groove's light in a pixel where its light across is known as a curve.
+// burin/render/surroundings/groove_light.h - a groove's light in a pixel, from its light across as a curve.
 // docs/model.md 10.8 to 10.10.
 //
-// In units of half the groove's width, t across it and Y along it, the integral over pixel and groove of a light R(t)
-// that depends on the place across alone is, by Green's theorem, one along the pixel's edges, as model.md 4.2 is: every
-// piece of an edge needs the integrals of R and t R between two places. R is a cubic between nodes, so these are exact.
+// Units are half the groove's width, with t across it and Y along it. Let a light R(t) depend on the position across
+// alone. By Green's theorem (as in model.md 4.2) its integral over pixel and groove is one along the pixel's edges.
+// Every piece of an edge needs the integrals of R and t R between two positions. R is a cubic between nodes, so these
+// are exact.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,7 +16,7 @@ namespace burin {
 /// R over t from -half_count * step to half_count * step, with its running integrals.
 struct LightCurve {
   struct Node {
-    double light, slope, sum, sum_of_sums;  ///< R, dR/dt, integral of R, integral of that
+    double light, slope, sum, sum_of_sums;  ///< R, dR/dt, integral of R, integral of `sum`
   };
   double step = 1;
   int half_count = 0;
@@ -26,10 +27,10 @@ struct LightCurve {
   };
   At at(double t) const;  ///< clamped to the curve's ends
 };
-/// Of values at the nodes.
+/// Makes a curve from values at the nodes.
 void make_curve(const std::vector<double>& light, double step, LightCurve& curve);
 
-/// What lies between a pixel's edges and a groove: pieces of the edges, cut where the groove ends.
+/// The region common to a pixel and a groove: pieces of the pixel's edges, cut at the groove's ends.
 struct GroovePieces {
   struct Piece {
     double t1, y1, t2, y2;  ///< y within the groove's length
@@ -38,12 +39,12 @@ struct GroovePieces {
   std::array<Piece, 24> piece;
   int count = 0;
   double way = 1;                            ///< 1: the pixel's corners run counter-clockwise in (t, Y); -1
-  double left_extent = 0, right_extent = 0;  ///< of the pixel along the groove at its rims
+  double left_extent = 0, right_extent = 0;  ///< length of the pixel along the groove at its rims
 };
-/// `corners`: (t, Y) in the scratch's frame; the groove reaches over |t| <= rim, 0 <= Y <= length.
+/// `corners`: (t, Y) in the scratch's frame. The groove is |t| <= rim, 0 <= Y <= length.
 GroovePieces groove_pieces(const std::array<Eigen::Vector2d, 4>& corners, double rim, double length);
 
-/// The integral of R over what pixel and groove share, and its derivatives, all in units of half the groove's width.
+/// The integral of R over the common region, and its derivatives, all in units of half the groove's width.
 struct PieceSums {
   double value = 0;
   double by_shift_t = 0, by_shift_y = 0;  ///< the pixel moves across and along
@@ -54,7 +55,7 @@ struct PieceSums {
 double piece_value(const GroovePieces& pieces, const LightCurve& curve);
 PieceSums piece_sums(const GroovePieces& pieces, const LightCurve& curve, double rim);
 
-/// The same for R = 1: areas.
+/// piece_value() and piece_sums() for R = 1: areas.
 double piece_area(const GroovePieces& pieces);
 PieceSums piece_area_sums(const GroovePieces& pieces);
 

@@ -1,11 +1,11 @@
-// burin/render/surroundings/lagrange_cubic.h - shares of four neighbors on an axis, for tables in double and for the
-// packets' kernels.
+// burin/render/surroundings/lagrange_cubic.h - weights of four neighbors on an axis, for tables in double and for SIMD
+// kernels.
 #pragma once
 
 namespace burin {
 
-/// Lagrange's cubic through four neighbors at the places -1, 0, 1, 2: their shares at u, and the shares' slopes by u.
-/// `Kernel`: the packet of a file with instructions of its own, so that no such code is shared with other files.
+/// Lagrange's cubic through four neighbors at -1, 0, 1, 2: their weights at u, and the derivatives by u. `Kernel` is
+/// the SIMD vector type of a file with its own instruction set, so that files share no such code.
 template <class Number, class Kernel = void>
 [[gnu::always_inline]] inline void lagrange_cubic(Number u, Number (&share)[4], Number (&slope)[4]) {
   const Number one(1), two(2), three(3), four(4), six(6), half(0.5), sixth(Number(1) / six);

@@ -1,5 +1,5 @@
-// burin/render/surroundings/make_curve_tables.h - a groove's light across it, of all directions, as the fast path's
-// tables (burin/render/fast/curve_tables.h). docs/model.md 10.8, 10.12.
+// burin/render/surroundings/make_curve_tables.h - a groove's light across it, for all directions, as tables of the fast
+// path (burin/render/fast/curve_tables.h). docs/model.md 10.8, 10.12.
 #pragma once
 
 #include <memory>
@@ -12,7 +12,7 @@
 
 namespace burin {
 
-/// Of facets at the range's roughnesses, one for each channel: the scene's grooves, and the burrs beside them.
+/// One table per channel, from facets at the range's roughnesses: for the scene's grooves and the burrs next to them.
 std::vector<std::shared_ptr<const CurveTables>> make_curve_tables(const ViewScene& scene,
                                                                   const std::vector<FacetTable>& facets,
                                                                   const TableRange& range, const PlaceLattice& lattice);

@@ -1,4 +1,4 @@
-// burin/render/surroundings/table_range.h - which roughnesses and which leans of facets a view's tables must hold.
+// burin/render/surroundings/table_range.h - roughnesses and leans of facets that a view's tables need.
 #pragma once
 
 #include <vector>
@@ -8,15 +8,15 @@
 
 namespace burin {
 
-/// Roughnesses, ascending, 5 % apart: one, or three and more where grooves differ or the derivative by alpha is asked
-/// for; facets lean up to 2 atan(steepest_t); grooves reach up to |t| = rim across.
+/// Roughnesses, ascending, 5 % apart: one, or at least three if grooves differ or the derivative by alpha is wanted.
+/// Facets lean up to 2 atan(steepest_t). Grooves are |t| <= rim.
 struct TableRange {
   std::vector<double> alphas;
   double steepest_t = 0, rim = 0;
 };
 TableRange table_range(const ViewScene& scene, const Scratches& scratches, bool by_alpha);
 
-/// Whether tables of a range serve these scratches as well.
+/// Whether tables of a range also suit these scratches.
 bool serves(const TableRange& range, const ViewScene& scene, const Scratches& scratches);
 
 }  // namespace burin
