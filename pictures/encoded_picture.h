@@ -1,5 +1,5 @@
-// burin/pictures/encoded_picture.h - a picture file's bytes, made in memory: a full disk then cuts no picture, and
-// no library's way of writing files has to be trusted. Include it in .cpp files only: it pulls in OpenImageIO.
+// burin/pictures/encoded_picture.h - a picture file's bytes, made in memory. So a full disk truncates no picture, and a
+// library's method of writing files does not matter. Include it in .cpp files only: it includes OpenImageIO.
 #pragma once
 
 #include <OpenImageIO/imageio.h>
@@ -9,8 +9,8 @@
 
 namespace burin {
 
-/// The bytes of a picture of the kind that `extension` (".png") names, from pixels of `type`. The same pixels give the
-/// same bytes: no date is in it unless `spec` has one. Throws Error naming `file`, which it is for.
+/// Bytes of a picture in the format of `extension` (".png"), from pixels of `type`. The same pixels give the same
+/// bytes: the file has no date unless `spec` has one. Throws Error with the name of `file`, the intended output.
 std::string encoded_picture(const std::string& extension, OIIO::ImageSpec spec, const OIIO::TypeDesc& type,
                             const void* pixels, const std::filesystem::path& file);
 

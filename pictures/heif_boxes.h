@@ -1,5 +1,5 @@
-// burin/pictures/heif_boxes.h - what libheif does not tell of a HEIF file, read from its boxes by hand
-// (ISO/IEC 14496-12, 23008-12).
+// burin/pictures/heif_boxes.h - properties of a HEIF file that libheif does not expose, read from its boxes (ISO/IEC
+// 14496-12, 23008-12).
 #pragma once
 
 #include <cstdint>
@@ -9,20 +9,20 @@
 
 namespace burin {
 
-/// The part of the coded picture that is meant to be shown, in its pixels. The rest is filling.
+/// The displayed part of the coded picture, in its pixels. The rest is padding.
 struct HeifCrop {
   int left = 0, top = 0, width = 0, height = 0;
 };
 
 struct HeifBoxes {
-  std::int64_t width = 0, height = 0;  ///< the largest that is named ("ispe"): a tile's or the whole's
+  std::int64_t width = 0, height = 0;  ///< largest declared size ("ispe"): of a tile or of the whole
   bool moves = false;                  ///< a sequence of pictures
 };
 
-/// Walks the file's boxes. Throws Error for one that is longer than the file, and for a file that names no size.
+/// Walks the file's boxes. Throws Error for a box longer than the file, and for a file without a declared size.
 HeifBoxes read_heif_boxes(PictureBytes& file);
 
-/// The main picture as it is coded, neither turned nor mirrored: its "clap", or all of the size that is named.
+/// The main picture as coded, neither rotated nor mirrored: its "clap", or the whole declared size.
 HeifCrop heif_crop(PictureBytes& file, int named_width, int named_height);
 
 }  // namespace burin

@@ -1,11 +1,10 @@
-// burin/pictures/hevc_decoder.h - libheif's decoder of HEVC, with libde265's warnings heard.
+// burin/pictures/hevc_decoder.h - HEVC decoder for libheif that reports libde265's warnings.
 #pragma once
 
 namespace burin {
 
-/// Has libheif decode HEVC (HEIC) by libde265 through us from now on, in the place of its own way to libde265, which
-/// drops what that says of damaged data and hands out whatever came of them. Once for the whole program; for any
-/// thread.
+/// Makes libheif decode HEVC (HEIC) with libde265 through this module. libheif's own plug-in drops libde265's warnings
+/// of damaged data and returns any output. One call serves the whole program and all threads.
 void use_hevc_decoder();
 
 }  // namespace burin

@@ -1,4 +1,4 @@
-// burin/pictures/picture_bytes.h - bytes of a picture file by their place, for what is read of it by hand.
+// burin/pictures/picture_bytes.h - random access to the bytes of a picture file.
 #pragma once
 
 #include <algorithm>
@@ -11,7 +11,7 @@
 
 namespace burin {
 
-/// Bytes of a file by their place. Throws Error for a place beyond its end, and for a disk that does not give them.
+/// Bytes of a file by offset. Throws Error for an offset beyond its end, and for a disk error.
 class PictureBytes {
  public:
   PictureBytes(const std::filesystem::path& file, std::uintmax_t size)
@@ -28,7 +28,7 @@ class PictureBytes {
     if (!in_) broken("cannot be read to its end");
     return bytes;
   }
-  /// As many as there are, up to `count`.
+  /// All available bytes, up to `count`.
   std::string up_to(std::uintmax_t place, std::uintmax_t count) {
     return at(place, place > size_ ? 0 : std::min(count, size_ - place));
   }
@@ -37,7 +37,7 @@ class PictureBytes {
   std::uint64_t number(std::uintmax_t place, int bytes, bool big) {
     return number_of(at(place, static_cast<std::uintmax_t>(bytes)), 0, bytes, big);
   }
-  /// The number that `bytes` bytes of a text are, which it must have.
+  /// The number in `bytes` bytes of a text, which must contain them.
   static std::uint64_t number_of(const std::string& text, std::size_t place, int bytes, bool big) {
     std::uint64_t value = 0;
     for (int i = 0; i < bytes; ++i)

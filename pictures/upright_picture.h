@@ -1,5 +1,5 @@
-// burin/pictures/upright_picture.h - a picture read a few rows at a time, upright and over white: what pictures in
-// memory, and light of them, are made of.
+// burin/pictures/upright_picture.h - reads a picture a few rows at a time, upright and over white. Readers of pictures
+// and of linear light use it.
 #pragma once
 
 #include <OpenImageIO/imageio.h>
@@ -21,28 +21,28 @@ namespace burin {
 
 inline constexpr const char* kPictureRemedy = "use a PNG, TIFF, JPEG or EXR picture that other programs open";
 
-/// A picture's rows, upright as its EXIF orientation says, colors over white, are handed on a few at a time: no more of
-/// it is in memory than what the caller keeps.
+/// Rows of a picture, upright by its EXIF orientation, with colors over white. Rows are delivered a few at a time, so
+/// memory holds no more than the caller keeps.
 struct UprightPicture {
   std::unique_ptr<OIIO::ImageInput> input;
   OIIO::ImageSpec spec;
-  ToSrgbColors to_srgb;  ///< takes back the colors that the file states
+  ToSrgbColors to_srgb;  ///< converts from the file's declared colors
   int orientation = 1;
   int width = 0, height = 0, channels = 1;  ///< upright; 1 or 3 channels
-  bool linear = false;                      ///< its kind stores light itself (EXR, HDR), and not sRGB
-  float ground = 1;                         ///< on which what is see-through is laid: white
+  bool linear = false;                      ///< the format stores light itself (EXR, HDR), not sRGB
+  float ground = 1;                         ///< background of transparent parts: white
 
-  /// The stored channel that says how much is there; -1: all is.
+  /// The stored alpha channel; -1: opaque.
   int alpha_channel() const {
     const int stored = spec.nchannels;
-    // OpenImageIO's reader of GIF names a fifth channel of four.
+    // OpenImageIO's reader of GIF declares a fifth channel as alpha, of four channels.
     return spec.alpha_channel >= 0 && spec.alpha_channel < stored ? spec.alpha_channel
            : stored == 2 || stored == 4                           ? stored - 1
                                                                   : -1;
   }
   bool lies() const { return orientation >= 5; }
 
-  /// Where the stored pixel (x, y) stands upright (TIFF 6.0, Orientation).
+  /// Upright position of the stored pixel (x, y) (TIFF 6.0, Orientation).
   std::pair<int, int> place(int x, int y) const {
     const int right = spec.width - 1 - x, bottom = spec.height - 1 - y;
     switch (orientation) {
@@ -66,11 +66,11 @@ struct UprightPicture {
   }
 };
 
-/// Throws Error for a file that is missing, cut short or no picture.
+/// Throws Error for a file that is missing, truncated or no picture.
 UprightPicture open_upright(const std::filesystem::path& file);
 
-/// Hands each pixel's values as sRGB stores them (linear values of EXR and HDR as they are), over the ground, to
-/// take(x, y, values), x and y being upright. Throws Error for a broken file.
+/// Calls take(x, y, values) for each pixel, with upright x and y. Values are as sRGB stores them, composited over the
+/// ground; those of EXR and HDR are linear. Throws Error for a broken file.
 template <typename Take>
 void for_each_pixel(UprightPicture& picture, const std::filesystem::path& file, const Take& take) {
   const OIIO::ImageSpec& spec = picture.spec;
