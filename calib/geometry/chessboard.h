@@ -1,6 +1,6 @@
-// burin/calib/geometry/chessboard.h - views of a chessboard, for a lens of one's own: corners found in photos, or read
-// from the table that mrcal's tools keep them in. Frames: the target's (x along a row of corners, y along a column, mm;
-// origin at the first corner), pixels (center of the top-left pixel is (0, 0)).
+// burin/calib/geometry/chessboard.h - views of a chessboard for lens calibration: corners detected in photos, or read
+// from the table of mrcal's tools. Frames: the target's (x along a row of corners, y along a column, mm; origin at the
+// first corner), pixels (center of the top-left pixel is (0, 0)).
 #pragma once
 
 #include <Eigen/Core>
@@ -14,7 +14,7 @@
 
 namespace burin {
 
-/// The corners where four squares meet.
+/// A chessboard, described by its inner corners.
 struct Chessboard {
   int columns = 9, rows = 6;
   double square_mm = 25;
@@ -26,24 +26,23 @@ struct Chessboard {
 /// Corners found in a folder of photos of a chessboard.
 struct ChessboardViews {
   std::vector<TargetView> views;
-  std::vector<Finding> findings;  ///< photos that were passed over, and why
+  std::vector<Finding> findings;  ///< skipped photos, with reasons
   int width = 0, height = 0;      ///< of the photos, pixels
 };
 
-/// Half the side of the window in which OpenCV refines a corner, in pixels of a picture 1600 wide (of smaller ones,
-/// their own): OpenCV's own examples use 11. 0: as large as each photo's squares allow, which is better where squares
-/// are small.
+/// Half the side of the window in which OpenCV refines a corner, in pixels of a picture 1600 wide (smaller pictures:
+/// their own pixels). OpenCV's examples use 11. 0: the largest that each photo's squares allow, which is better for
+/// small squares.
 constexpr int kCornerWindow_px = 11;
 
-/// All photos of a folder in which OpenCV finds the whole board; saddle points refined on the photo's full size. Pixels
-/// as stored, EXIF orientation not applied. Throws Error for a folder without photos, and for photos whose sizes
-/// differ.
+/// All photos of a folder in which OpenCV finds the whole board; saddle points are refined at full size. Pixels are as
+/// stored, without EXIF orientation. Throws Error for a folder without photos, and for photos of different sizes.
 ChessboardViews find_chessboards(const std::filesystem::path& folder, const Chessboard& board,
                                  int corner_window_px = kCornerWindow_px, const Progress& progress = {});
 
-/// A vnlog table with the columns filename, x, y and, if it has one, level (a corner found on the picture halved so
-/// often counts 2^-level) or weight. Lines of a photo follow each other, row by row of the board; "-" is a corner that
-/// was not found. `width`, `height`: of the photos. Throws Error, naming the line, for anything else.
+/// Reads a vnlog table with the columns filename, x, y and optionally level or weight. A corner found on the picture
+/// halved `level` times has the weight 2^-level. Lines of a photo are contiguous, row by row of the board; "-" marks a
+/// missing corner. `width`, `height`: of the photos. Throws Error with the line for any other content.
 ChessboardViews read_corners(const std::filesystem::path& vnl, const Chessboard& board, int width, int height);
 
 }  // namespace burin
