@@ -24,29 +24,29 @@ namespace {
 
 using Eigen::Vector2d;
 
-// All that changes smoothly over a view, at every few of its pixels' corners.
+// One of the lamp's points at a node of the lattice: a corner of every few pixels.
 struct LampThere {
-  double hx = 0, hy = 0, cos_i = 1, cos_o = 1, strength = 0;  // of one of the lamp's points; beside the middle's
+  double hx = 0, hy = 0, cos_i = 1, cos_o = 1, strength = 0;  // strength: relative to the middle's
 };
 struct LatticeNode {
   Vector2d place_mm{0, 0};
   std::array<double, 3> factor{};   // of the lamp's middle: F intensity direct, by channel
-  double base = 0, base_slope = 0;  // of the plain face, in that unit
-  bool is_good = false;             // lit and seen
+  double base = 0, base_slope = 0;  // of the plain face, in units of `factor`
+  bool is_good = false;             // lit and visible
 };
 
 struct Lattice {
-  std::vector<int> xs, ys;         // where its columns and rows lie, in pixels' corners
-  std::size_t points = 0;          // of the lamp
+  std::vector<int> xs, ys;         // positions of columns and rows, in pixels' corners
+  std::size_t points = 0;          // number of the lamp's points
   std::vector<LatticeNode> nodes;  // row by row
-  std::vector<LampThere> lamps;    // points a node
+  std::vector<LampThere> lamps;    // `points` per node
 
   std::size_t at(std::size_t column, std::size_t row) const { return row * xs.size() + column; }
 };
 
-// The cell of a lattice that a place in the picture lies in, and where within it; beyond the rim of the outermost cell.
+// Cell of a lattice at a position in the picture, and the position in the cell. Beyond the rim: of the outermost cell.
 struct InCell {
-  std::size_t node;  // its upper left
+  std::size_t node;  // upper left node of the cell
   double u, v;
 };
 std::size_t cell_of(const std::vector<int>& lines, double at) {
@@ -67,7 +67,7 @@ auto between(const Lattice& lattice, const InCell& cell, const Get& get) {
                cell.v * ((1 - cell.u) * get(below) + cell.u * get(below + 1)));
 }
 
-// Of pixels' centers (or normals): at a corner between them, continued over the rim.
+// Value at a corner between pixels' centers (or normals), extrapolated over the rim.
 template <typename Values>
 Eigen::Vector3d at_corner(const Values& values, int width, int height, int x, int y) {
   struct Pair {
@@ -95,7 +95,7 @@ std::vector<int> lattice_lines(int count, int step) {
   return out;
 }
 
-// A pixel near the picture's middle that sees the face, and its size on it.
+// A pixel near the picture's middle with a footprint on the face, and its size there.
 struct MiddlePixel {
   Eigen::Vector3d center_mm{0, 0, 0};
   double size_mm = 1;
@@ -108,7 +108,7 @@ std::optional<MiddlePixel> middle_pixel(const FootprintGrid& grid) {
   return std::nullopt;
 }
 
-// From one node to the next this share of the nearest distance, of lamp or camera: light between them is good to 1e-5.
+// Step between nodes: a share of the nearest distance, of lamp or camera. Interpolated light has an error of 1e-5.
 int lattice_step(const ViewScene& scene) {
   constexpr int kUsual = 4, kMost = 16;
   constexpr double kOfDistance = 0.002;
@@ -119,7 +119,7 @@ int lattice_step(const ViewScene& scene) {
   return std::clamp(static_cast<int>(kOfDistance * nearest_mm / pixel->size_mm), 1, kMost);
 }
 
-// Nodes beside the face, or in the dark, continue what lies next to them in a straight line.
+// Extrapolates linearly to nodes off the face or in the dark.
 void continue_lattice(Lattice& lattice, std::vector<char>& known) {
   const auto columns = static_cast<std::ptrdiff_t>(lattice.xs.size()),
              rows = static_cast<std::ptrdiff_t>(lattice.ys.size());
@@ -211,7 +211,7 @@ Lattice make_lattice(const ViewScene& scene, int channels) {
   return out;
 }
 
-// Where a place of the board lies in the picture, from a first guess; and d(picture) / d(board), px / mm.
+// Position in the picture of a place on the board, from an initial guess; and d(picture) / d(board), px / mm.
 struct InPicture {
   Vector2d px{0, 0};
   Eigen::Matrix2d by_mm = Eigen::Matrix2d::Zero();
@@ -245,31 +245,31 @@ InPicture in_picture(const Lattice& lattice, const Vector2d& place_mm, const Vec
   return out;
 }
 
-// A groove at a node of its way: where that lies along it and in the picture, and how far a millimeter across goes
-// there.
+// A groove at a node along it: position along the groove and in the picture, and the motion in the picture per
+// millimeter across.
 struct WayNode {
   double at_mm = 0;
   Vector2d px{0, 0}, by_across{0, 0};
-  Vector2d half{0, 0};  // of the lamp's first point
+  Vector2d half{0, 0};  // half vector of the lamp's first point
 };
 
-// Light that a lane sends, a number a lane and node: of one millimeter of it, mm; by alpha, and by the half vector
-// across the groove and along it.
+// Light of lanes, one number per lane and node: of one millimeter, mm; by alpha, and by the half vector across the
+// groove and along it.
 struct LaneLight {
   std::vector<float> value, by_alpha, by_across, by_along;
-  std::vector<float> at_rims;  // D G at the left and the right rim: what a groove gains as it becomes deeper
+  std::vector<float> at_rims;  // D G at the left and the right rim: gain of a groove that becomes deeper
 };
 
 struct Ways {
-  std::vector<std::size_t> first;  // node of each groove
+  std::vector<std::size_t> first;  // first node of each groove
   std::vector<WayNode> nodes;
   LaneLight light;
 };
 
-// Walls of a lane as nodes of a rule: Gauss and Legendre's three, in parts narrower than a lobe.
+// Walls of a lane as nodes of a quadrature rule: three Gauss-Legendre nodes, in parts narrower than a lobe.
 struct WallNodes {
   std::vector<float> sine, cosine, weight_mm;
-  std::vector<int> end;  // of each lane's
+  std::vector<int> end;  // of each lane
   std::array<float, 2> rim_sine{}, rim_cosine{};
 
   void make(const GrooveProfile& profile, std::span<const Lane> lanes, double width_um, double depth_um, double alpha);
@@ -310,7 +310,7 @@ void WallNodes::make(const GrooveProfile& profile, std::span<const Lane> lanes, 
   }
 }
 
-// Where a groove lies.
+// Frame of a groove on the board.
 struct GroovePlace {
   Vector2d first, along, across;
   double length_mm;
@@ -325,13 +325,13 @@ struct GroovePlace {
   }
 };
 
-// Lanes beside one another that are one line of light: first .. last - 1.
+// Adjacent lanes that form one line of light: first .. last - 1.
 struct LaneGroup {
   std::size_t first, last;
-  double width_mm = 0, middle_mm = 0;  // of all of them
+  double width_mm = 0, middle_mm = 0;  // of the whole group
 };
 
-// As few as keep a line within this share of a pixel of its lanes.
+// Fewest groups whose width in the picture is at most this share of a pixel.
 std::vector<LaneGroup> groups_of(std::span<const Lane> lanes, std::span<const float> width_mm,
                                  std::span<const float> middle_mm, double px_by_mm) {
   constexpr double kWidestPx = 0.1;
@@ -348,16 +348,16 @@ std::vector<LaneGroup> groups_of(std::span<const Lane> lanes, std::span<const fl
   return out;
 }
 
-// Where a groove's lanes lie; of grooves of one width and depth, one after the other, the same.
+// Positions of a groove's lanes. Successive grooves of one width and depth share them.
 struct LaneSpots {
   double width_um = 0, depth_um = 0;
   std::vector<float> width_mm, middle_mm;  // of each lane
-  double rim_by_depth_mm = 0;              // mm by um
-  std::size_t groove_lanes = 0;            // the first of all; burrs' come behind
-  double most_aside_mm = 0;                // of the lanes' middles
+  double rim_by_depth_mm = 0;              // mm per um
+  std::size_t groove_lanes = 0;            // number of the groove's lanes, which come first; burrs' lanes follow
+  double most_aside_mm = 0;                // largest offset of the lanes' middles
   std::vector<LaneGroup> groups;
 
-  // `px_by_mm`: of the picture.
+  // `px_by_mm`: scale of the picture.
   void find(const GrooveProfile& profile, std::span<const Lane> lanes, double of_width_um, double of_depth_um,
             double px_by_mm) {
     if (of_width_um == width_um && of_depth_um == depth_um) return;
@@ -400,15 +400,16 @@ BURIN_MACHINE_CLONES void lobe_slopes_on_walls(int n, const float* sine, const f
     const float rough = m * m * h.across2 + y2, Q = rough + nh * nh;
     const float D = nh > 0 ? weight[k] * h.scale / (Q * Q) : 0.0F, by_Q = -4 * D / Q;
     out[k] = D;
-    by_alpha[k] = -2 * D - by_Q * rough;  // by log
+    by_alpha[k] = -2 * D - by_Q * rough;  // by log alpha
     by_across[k] =
         by_Q * (m * h.across2 * (cosine[k] + up_by_across * sine[k]) + nh * (up_by_across * cosine[k] - sine[k]));
     by_along[k] = by_Q * (h.along * h.along2 + up_by_along * (m * h.across2 * sine[k] + nh * cosine[k]));
   }
 }
 
-// What a pixel's grooves add up to with slopes: light and area; light by log alpha, by the half vector, by a turn of
-// the grooves (all, and with their direction's squares), by lengths in a direction; both by a deeper rim.
+// Sums over a pixel's grooves with their derivatives. Light has derivatives by log alpha, by the half vector, by a turn
+// of the grooves (total, and weighted with squares of their direction) and by lengths in a direction. Light and area
+// have derivatives by a deeper rim.
 enum SumOf : int {
   kSumOfLight,
   kSumOfArea,
@@ -427,7 +428,7 @@ enum SumOf : int {
   kSums = 16
 };
 
-// Light and area that cross a unit of an edge's way outwards, and their first moments along it.
+// Light and area across an edge per unit of outward shift, and their first moments along it.
 struct EdgeFlux {
   float light = 0, area = 0, light_at = 0, area_at = 0;
 
@@ -439,7 +440,7 @@ struct EdgeFlux {
   }
 };
 
-// Rows of the picture are worked on in so many parts.
+// Number of parallel bands of picture rows.
 constexpr int kBands = 8;
 
 struct Window {
@@ -449,10 +450,10 @@ struct Window {
 // A lane between two nodes of its groove: a straight line in the picture.
 struct LaneLine {
   double from_mm, to_mm;
-  Vector2d px, by_mm, by_across;  // at from_mm; a millimeter along, and across
+  Vector2d px, by_mm, by_across;  // at from_mm; per millimeter along, and across
 };
 
-// What of from..to of a line lies within the window; whether it leaves it there through an upper or a lower row.
+// Clips from..to of a line to the window. `leaves_by_row`: the line leaves it through an upper or a lower row.
 bool clip_line(const LaneLine& line, const Window& window, double& from, double& to, bool& leaves_by_row) {
   leaves_by_row = false;
   const std::array<double, 2> low{static_cast<double>(window.x0), static_cast<double>(window.y0)},
@@ -473,8 +474,8 @@ bool clip_line(const LaneLine& line, const Window& window, double& from, double&
   return from < to;
 }
 
-// Goes along a line pixel by pixel: sink.chord(x, y, from, to), and sink.cross_column(line, row, at) or
-// sink.cross_row(column, line, at) where it goes from one to the next. The line must lie within the window.
+// Walks along a line pixel by pixel: sink.chord(x, y, from, to), and sink.cross_column(line, row, at) or
+// sink.cross_row(column, line, at) between pixels. The line must be within the window.
 struct LineWalk {
   const LaneLine& line;
   const Window& window;
@@ -519,7 +520,8 @@ struct LineWalk {
   }
 };
 
-// Along the picture's rows or columns lanes would lie in one of them or in the next: there they are several lines.
+// Number of lines for a lane. Almost parallel to the picture's rows or columns, one line would fall into one of them
+// alone.
 int lines_of_lanes(const WayNode& a, const WayNode& b, double width_mm) {
   constexpr int kMost = 6;
   const Vector2d way = (b.px - a.px).cwiseAbs();
@@ -527,7 +529,7 @@ int lines_of_lanes(const WayNode& a, const WayNode& b, double width_mm) {
   return std::clamp(static_cast<int>(std::ceil(wide_px / std::max(drift, 1e-6))), 1, kMost);
 }
 
-// The sum over lanes of their shares times a number that changes evenly from one node to the next.
+// Sum over lanes of their visible fractions times a number that is linear between nodes.
 float shared_sum(const float* share, const float* a, const float* b, float at, std::size_t count) {
   float sum_a = 0, sum_b = 0;
   for (std::size_t l = 0; l < count; ++l) {
@@ -537,10 +539,10 @@ float shared_sum(const float* share, const float* a, const float* b, float at, s
   return sum_a + at * (sum_b - sum_a);
 }
 
-// What lanes of a groove add by a millimeter, of all that follows from its place and direction.
+// Contributions of a groove's lanes per millimeter, by all parameters of position and direction.
 struct LaneNumbers {
   float light, area, by_log_alpha, by_across, by_along;
-  float turn;  // as the groove turns by a little
+  float turn;  // by a small turn of the groove
   float rim_light, rim_area;
 };
 
@@ -553,10 +555,10 @@ struct LanesView::Data {
   const int channels;
   const Lattice lattice;
   const std::array<double, 3> ambient;
-  const double px_by_mm;  // of the picture, about
+  const double px_by_mm;  // approximate scale of the picture
 
   Ways ways;
-  std::vector<float> sums;  // light and area of each pixel; of find_slopes() kSums
+  std::vector<float> sums;  // light and area of each pixel; in find_slopes() kSums
   std::vector<EdgeFlux> columns, rows;
   std::size_t chords = 0;
 
@@ -580,7 +582,7 @@ struct LanesView::Data {
     return s.width_um.empty() ? scene.tool_width_um : s.width_um[i];
   }
 
-  // The half vector of the lamp's first point at a place of the picture, as the face has it.
+  // The half vector of the lamp's first point at a position of the picture, in the face's frame.
   Vector2d half_at(const Vector2d& px) const {
     return between(lattice, in_cell(lattice, px.x(), px.y()), [&](std::size_t k) {
       const LampThere& lamp = lattice.lamps[k * lattice.points];
@@ -611,7 +613,7 @@ struct LanesView::Data {
     bool is_visible = false, is_lit = false;
   };
   Seen seen_at(std::size_t pixel) const;
-  // body(row, pixel, what is seen there), in parallel.
+  // body(row, pixel, data of the pixel), in parallel.
   template <typename Body>
   void each_lit_pixel(const Body& body) const {
     tbb::parallel_for(0, height(), [&](int y) {
@@ -623,7 +625,7 @@ struct LanesView::Data {
   }
 };
 
-// Nodes so near that the way between them is straight in the picture, and light changes evenly.
+// Nodes so close that the groove between them is straight in the picture, and light is linear.
 void LanesView::Data::find_way(const Scratches& s, std::size_t i, Vector2d& guess_px, std::vector<WayNode>& out) const {
   constexpr double kStraightPx = 0.01, kOfAlpha = 0.05;
   constexpr int kMostSpans = 400;
@@ -762,8 +764,8 @@ void LanesView::Data::find_ways(const LanedGrooves& of, bool slopes) {
   });
 }
 
-// Every line of light of a groove within a window, cell by cell: numbers_of(cell, group, node, share of the way to the
-// next node) gives what a millimeter of it adds, and `sink` takes its chords, with those in sink.numbers.
+// All lines of light of a groove within a window, cell by cell. numbers_of(cell, group, node, fraction of the way to
+// the next node) returns the contributions per millimeter. `sink` takes the chords, with these values in sink.numbers.
 template <typename Numbers, typename Sink>
 void LanesView::Data::walk(const LanedGrooves& of, std::size_t i, const LaneSpots& spots, const Window& window,
                            const Numbers& numbers_of, Sink& sink) const {
@@ -811,7 +813,7 @@ void LanesView::Data::walk(const LanedGrooves& of, std::size_t i, const LaneSpot
   }
 }
 
-// Rows of the picture in parts, each by itself: every sum has one order, whatever the number of threads.
+// Bands of picture rows, each independent: every sum has one order for any number of threads.
 template <typename Body>
 void LanesView::Data::each_band(const Body& body) const {
   const int bands = std::min(kBands, height());
@@ -853,7 +855,7 @@ LanesView::Data::Seen LanesView::Data::seen_at(std::size_t pixel) const {
 
 namespace {
 
-// What is not asked for edges.
+// Ignores edges.
 struct NoEdges {
   void begin_line(const LaneLine&) {}
   void cross_column(int, int, double) {}
@@ -861,7 +863,7 @@ struct NoEdges {
   void leave_row(int, int, double) {}
 };
 
-// Light and area of each pixel.
+// Sums light and area of each pixel.
 struct ValueSink : NoEdges {
   float* sums;
   int width;
@@ -930,7 +932,7 @@ void LanesView::forward(const LanedGrooves& of, bool keep_slopes, Image& radianc
 
 namespace {
 
-// A pixel's numbers (SumOf), and what crosses its edges.
+// Sums a pixel's numbers (SumOf), and the flux across its edges.
 struct SlopeSink {
   float* sums;
   EdgeFlux *columns, *rows, *upwards;
@@ -963,7 +965,7 @@ struct SlopeSink {
     const double px = line->px.x() + (at - line->from_mm) * line->by_mm.x();
     add(edge, std::clamp(px - x, 0.0, 1.0), inv_rate_y);
   }
-  // Upwards into another band, which has that row of edges.
+  // Upwards into another band, which owns this row of edges.
   void leave_row(int x, int y, double at) const {
     if (line->by_mm.y() > 0) return cross_row(x, y, at);
     add_row(upwards[x], x, at);
@@ -972,8 +974,8 @@ struct SlopeSink {
 
 }  // namespace
 
-// Of a group's lanes in a cell, between two nodes of the groove, times `scale`; by depth as the shared one grows by a
-// um.
+// Contributions of a group's lanes in a cell, between two nodes of the groove, times `scale`. The derivative by depth
+// is per um of the shared depth.
 LaneNumbers LanesView::Data::lane_numbers(const LanedGrooves& of, const GroovePlace& place, const LaneSpots& spots,
                                           std::size_t cell, const LaneGroup& group, std::size_t node, double at,
                                           double scale) const {
@@ -995,7 +997,7 @@ LaneNumbers LanesView::Data::lane_numbers(const LanedGrooves& of, const GroovePl
   out.by_across = sum(share, ways.light.by_across);
   out.by_along = sum(share, ways.light.by_along);
   const Vector2d h = (1 - at) * ways.nodes[node].half + at * ways.nodes[node + 1].half;
-  // A turn of the groove turns h the other way in its frame.
+  // A turn of the groove turns h in the opposite direction in its frame.
   out.turn = static_cast<float>(out.by_across * h.dot(place.along) - out.by_along * h.dot(place.across));
   const auto rim = static_cast<float>(scale * spots.depth_um / scene.material.depth_um * spots.rim_by_depth_mm);
   for (int side = 0; side < 2; ++side) {
@@ -1024,7 +1026,8 @@ void LanesView::find_slopes(const LanedGrooves& of) {
     LaneSpots spots;
     SlopeSink sink{d.sums.data(), d.columns.data(), d.rows.data(), &upwards[static_cast<std::size_t>(band) * d.width()],
                    d.width()};
-    const double by_alpha = 1 / d.scene.material.alpha;  // by the log of a groove's own, in units of the shared one
+    // by the log of a groove's own alpha, in units of the shared one
+    const double by_alpha = 1 / d.scene.material.alpha;
     for (std::size_t i = 0; i < of.grooves.size(); ++i) {
       d.find_spots(of, i, spots);
       const GroovePlace place(of.grooves, i);
@@ -1064,13 +1067,13 @@ void LanesView::find_slopes(const LanedGrooves& of) {
 
 namespace {
 
-// What one groove does to E, by what each pixel's light and area do.
+// Gradient of E by one groove, from E's gradient by each pixel's light and area.
 struct GradientSink {
   const float *by_light, *by_area;
   int width;
   double length_mm;
   LaneNumbers numbers{};
-  double across_x = 0, across_y = 0;  // px a millimeter across, over px a millimeter along
+  double across_x = 0, across_y = 0;  // px per millimeter across, over px per millimeter along
   double by_alpha = 0, by_depth = 0, by_turn = 0, by_across = 0, by_across_along = 0, by_first = 0, by_last = 0;
 
   void begin_line(const LaneLine& line) {
@@ -1233,7 +1236,7 @@ GrooveSums LanesView::sums_of(std::size_t pixel, const PixelShading& p, const st
   add(d.rows[pixel], -to_y, 0, 1);
   add(d.rows[pixel + d.width()], to_y, 3, 2);
 
-  // Light is fixed to places, not to grooves: a pixel's gets no other light where an edge moves.
+  // Light is fixed to positions, not to grooves: the half vector does not change as an edge moves.
   Eigen::Matrix2d half_by_px;
   for (int axis = 0; axis < 2; ++axis) {
     const Vector2d step(axis == 0 ? 0.5 : 0, axis == 0 ? 0 : 0.5), here(x + 0.5, y + 0.5);
@@ -1242,7 +1245,7 @@ GrooveSums LanesView::sums_of(std::size_t pixel, const PixelShading& p, const st
   const Vector2d by_place = (half_by_px * by_mm).transpose() * out.h_face.head<2>();
   for (Vector2d& corner : out.corner_mm) corner -= 0.25 * by_place;
 
-  // Grooves that are mapped: as the footprint the other way round, and they grow longer and turn.
+  // Mapped grooves: the footprint is mapped inversely, and the grooves become longer and turn.
   const Vector2d middle = 0.25 * (corners_mm[0] + corners_mm[1] + corners_mm[2] + corners_mm[3]);
   Vector2d shift(0, 0);
   Eigen::Matrix2d by_map = Eigen::Matrix2d::Zero();

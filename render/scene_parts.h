@@ -17,7 +17,7 @@ struct ScenePart {
 };
 std::vector<ScenePart> scene_parts(const ViewScene& scene, bool few = false);
 
-/// Adds a share of an image to a sum, which is empty at first.
+/// Adds a share of an image to a sum. An empty sum is allocated.
 void add_share(const Image& image, double share, Image& sum);
 
 }  // namespace burin
