@@ -23,7 +23,7 @@ std::byte* ByteStore::take(std::size_t bytes) {
     used_ = 0;
   }
   if (block_ == blocks_.size()) {
-    // As much as there is, so that what grows seldom comes here; what is never used of it costs no memory.
+    // Doubles the total, so a growing store seldom allocates. Untouched memory costs nothing.
     const std::size_t size = std::max({bytes, kLeastBlock, held_});
     const std::size_t left = most_ - held_;
     if (bytes > left) return nullptr;

@@ -23,7 +23,7 @@ void TileCurves::grow_knots(std::size_t floats) {
   if (knots.size() < floats) knots.resize(2 * floats);
 }
 
-// One a file of its own instruction set; BURIN_X86_KERNELS where the build has the x86 ones.
+// One per file with its own instruction set; the build defines BURIN_X86_KERNELS if it has the x86 kernels.
 extern const CurveKernels curve_kernels_generic;
 #ifdef BURIN_X86_KERNELS
 extern const CurveKernels curve_kernels_avx2;

@@ -23,9 +23,9 @@ namespace burin {
 
 namespace {
 
-/// What the pixels of a tile send, for a light of 1: the sums of their grooves and what is left of the plain face.
-/// `open`: the share that is left. `covered_base`: the plain face's light where nothing of it is left, else 0. Returns
-/// whether any of those is not 0.
+/// Light of a tile's pixels for a light of 1: the sums of their grooves and the remaining plain face. `open`: the
+/// remaining share of the face. `covered_base`: the plain face's light if nothing of it remains, else 0. Returns
+/// whether any `covered_base` is not 0.
 BURIN_MACHINE_CLONES bool lobes_of_pixels(const float* sums, const float* inv_area, const float* base, float* open,
                                           float* lobes, float* covered_base) {
   int some = 0;
@@ -43,18 +43,18 @@ BURIN_MACHINE_CLONES void multiply(const float* a, const float* b, int n, float*
   for (int k = 0; k < n; ++k) out[k] = a[k] * b[k];
 }
 
-// Light of grooves of any cross-section under a lamp (docs/model.md 8.6), and the strips that they are.
+// Light of grooves of any cross-section under a lamp (docs/model.md 8.6), and their strips.
 struct Sections {
   GrooveProfile profile;
   LampCurves lamp;
-  double least_alpha = 0;  // that the leans serve
+  double least_alpha = 0;  // lower bound of the roughness for the leans
   GrooveStrips::Shapes shapes;
   GrooveStrips strips;
 
   ScratchLines lines_of(const Scratches& scratches, const CurveTables* curves);
 };
 
-// `curves`: tabulated ones, whose nodes are theirs; null: the lamp's.
+// `curves`: tabulated curves, which define the nodes; null: the lamp's curves.
 ScratchLines Sections::lines_of(const Scratches& scratches, const CurveTables* curves) {
   constexpr double kWider = 1.02, kRougher = 0.98;
   const double rim = strips.measure(shapes);
@@ -71,7 +71,7 @@ ScratchLines Sections::lines_of(const Scratches& scratches, const CurveTables* c
   return strips.make(scratches, shapes);
 }
 
-// What a strip's runs sum up to: by its first and last end across and along, mm^-1.
+// Sums over a strip's runs: by its first and last end across and along, mm^-1.
 struct StripGradient {
   double across_first = 0, across_last = 0, along_first = 0, along_last = 0, alpha = 0;
 
@@ -83,8 +83,8 @@ struct StripGradient {
   }
 };
 
-// By its scratch's depth and width, um: t of a groove's rim and the scale of its t (by log), or where a burr's middle
-// lies (mm across).
+// Derivatives by the scratch's depth and width, um. A groove has those of its rim in t and of the scale of its t (log).
+// A burr has those of its middle's offset (mm across).
 struct StripByShape {
   std::size_t scratch = 0;
   double rim_by_depth = 0, rim_by_width = 0, scale_by_width = 0, aside_by_depth = 0, aside_by_width = 0;
@@ -106,7 +106,7 @@ struct FastView::Data {
   const double tool_width_um, shared_depth_um, shared_alpha;
 
   std::vector<TileShading> shading;           // by tile; empty with curves
-  std::shared_ptr<const CurveTables> curves;  // null: light is the lamp's lobe, or
+  std::shared_ptr<const CurveTables> curves;  // null: light comes from the lamp, by its lobe or by `sections`
   std::unique_ptr<Sections> sections;         // walls of any shape
   // By tile * kTilePixels + place in the tile.
   std::vector<float> base;
@@ -120,7 +120,7 @@ struct FastView::Data {
   KernelMode mode = KernelMode::value;
   std::size_t pair_count = 0;
   std::shared_ptr<const GrooveShapes> shapes;
-  std::vector<float> alpha;  // one each, or one of all
+  std::vector<float> alpha;  // one each, or one for all
 
   Data(const ViewScene& scene, int c, SimdWidth width, std::shared_ptr<RenderWorkspace> r)
       : channels(c),
@@ -173,7 +173,7 @@ struct FastView::Data {
             workspace->most_pairs};
   }
 
-  /// visit(pixels, place in the tile and number in the picture of the first) for the rows of a tile.
+  /// visit(pixels, place in the tile and index in the picture of the first) for the rows of a tile.
   template <typename Visit>
   void each_row(std::size_t t, const Visit& visit) const {
     grid->each_row(t, [&](int n, std::size_t place, int x, int y) {
@@ -244,7 +244,7 @@ void FastView::Data::make_sections(const ViewScene& scene) {
   sections->shapes.tool_width_um = tool_width_um;
 }
 
-// Light is the mean of the channels in curves, and of the plain face; `factor` is how a channel differs from it.
+// In curves, light is the mean of the channels, also for the plain face; `factor` is a channel's ratio to it.
 void FastView::Data::shade_sections(const ViewScene& scene, bool material) {
   start_shading(scene, material);
   half.assign(2 * base.size(), 0);
@@ -279,7 +279,7 @@ void FastView::Data::shade_sections(const ViewScene& scene, bool material) {
   sections->lamp.fits = lamp_fits(scene, *grid);
 }
 
-/// What lies in the tile's pairs, of lobes or of curves.
+/// Evaluates the tile's pairs, by lobes or curves.
 void FastView::Data::evaluate(std::size_t t, TileTask task, const TilePlaces& places, RenderWorkspace::Work& w,
                               const TileJacobian& to) const {
   if (curves == nullptr && sections == nullptr) {
@@ -312,8 +312,8 @@ void FastView::Data::sort_scratches(const Scratches& s) {
   workspace->sort(grid, lines_of(s, shapes->per_mm, shapes->rim, alpha));
 }
 
-/// Finds and evaluates a tile's pairs. `to` is their Jacobian: kept where that is asked for and there is space, else in
-/// `w` until the next tile.
+/// Finds and evaluates a tile's pairs. `to` is their Jacobian: kept on request if space is left, else in `w` until the
+/// next tile.
 TilePlaces FastView::Data::evaluate_tile(std::size_t t, const TileTask& task, bool keep, RenderWorkspace::Work& w,
                                          TileJacobian& to) {
   const TilePlaces places = workspace->places_of(t, task, kernels, w.found);
@@ -334,7 +334,7 @@ TilePlaces FastView::Data::evaluate_tile(std::size_t t, const TileTask& task, bo
 void FastView::Data::render_tile(std::size_t t, Image& radiance) {
   RenderWorkspace::Work& w = *workspace->work.local();
   const TileTask task = task_of(t);
-  // Pixels are met in no order: have them near before the first is needed.
+  // Pixels are accessed in random order, so prefetch all.
   const auto fetch = [](const auto* what) {
     for (std::size_t k = 0; k < sizeof(*what); k += 64) __builtin_prefetch(reinterpret_cast<const char*>(what) + k);
   };
@@ -360,7 +360,7 @@ void FastView::Data::render_tile(std::size_t t, Image& radiance) {
   });
 }
 
-/// Puts the gradients of the tile's runs into the workspace; returns dE / d base_alpha through the tile.
+/// Writes the gradients of the tile's runs to the workspace; returns dE / d base_alpha through the tile.
 double FastView::Data::differentiate_tile(std::size_t t, const Image& dE_dradiance) {
   RenderWorkspace::Work& w = *workspace->work.local();
   const TileTask task = task_of(t);
@@ -368,7 +368,7 @@ double FastView::Data::differentiate_tile(std::size_t t, const Image& dE_dradian
   TilePlaces places;
   if (jacobian.shift != nullptr) {
     places = workspace->places_of(t, task, kernels, w.found);
-  } else {  // there was no space for it: once more
+  } else {  // no space was left: evaluate again
     places = evaluate_tile(t, task, false, w, jacobian);
   }
   const bool material = mode == KernelMode::material;
@@ -410,7 +410,7 @@ StripByShape FastView::Data::by_shape_of(std::size_t strip) const {
   const bool is_burr = strips != nullptr && strip >= strips->grooves;
   const std::size_t s = is_burr ? strips->owner[strip - strips->grooves] : strip;
   const double width = width_of(s), depth = depth_of(s);
-  // A section with a radius of its own does not grow with the width.
+  // A section with its own radius does not scale with the width.
   const double scale = sections != nullptr && sections->profile.tip_radius_um > 0 ? 0 : 1 / width;
   StripByShape out;
   out.scratch = s;
@@ -427,7 +427,7 @@ StripByShape FastView::Data::by_shape_of(std::size_t strip) const {
   return out;
 }
 
-/// Where scratches have numbers of their own: by what all of them change in proportion.
+/// For scratches with their own values, derivatives are by a common factor.
 RunUnits FastView::Data::units_of(std::size_t strip) const {
   const StripByShape by = by_shape_of(strip);
   const double depth = shapes->depth_um.size() == 1 ? 1 : depth_of(by.scratch) / shared_depth_um,
@@ -442,12 +442,12 @@ RunUnits FastView::Data::units_of(std::size_t strip) const {
   return out;
 }
 
-/// A burr moves with its groove, and aside as that grows deeper or wider.
+/// A burr moves with its groove, and outwards as the groove becomes deeper or wider.
 void FastView::Data::add_burr(std::size_t burr, const StripGradient& by, ScratchGradients& gradients) const {
   const GrooveStrips& strips = sections->strips;
   const std::uint32_t s = strips.owner[burr];
   const StripDirection& x = workspace->runs.across(strips.grooves + burr);
-  // What lies aside goes along as the groove turns.
+  // An offset strip moves along as the groove turns.
   const double along = by.along_first + by.along_last, turned = strips.aside_mm[burr] / x.length_mm * along;
   StripGradient{by.across_first + turned, by.across_last - turned, by.along_first, by.along_last}.add_to(gradients, s,
                                                                                                          x);
@@ -488,7 +488,7 @@ bool FastView::has_lamp_curves() const { return data_->sections != nullptr && da
 bool FastView::has_jacobian() const { return data_->workspace->owner == this && data_->mode != KernelMode::value; }
 
 bool FastView::is_smooth() const {
-  constexpr double kMost = 0.02;  // of the roughness
+  constexpr double kMost = 0.02;  // of the roughness: largest fit error for curves
   const Sections* s = data_->sections.get();
   return s == nullptr || s->lamp.fits.error < kMost * data_->shared_alpha * std::min(1.0, s->profile.across);
 }
@@ -520,7 +520,7 @@ void FastView::pixel_slopes(const Scratches& scratches, std::vector<PixelSlopes>
   Data& d = *data_;
   RenderWorkspace& workspace = *d.workspace;
   d.mode = KernelMode::material;
-  workspace.owner = nullptr;  // nothing is kept for a way back
+  workspace.owner = nullptr;  // no backward pass is possible
   out.assign(static_cast<std::size_t>(d.grid->width) * d.grid->height, {});
   d.sort_scratches(scratches);
   const bool one_shape = d.shapes->width_um.size() == 1 && d.shapes->depth_um.size() == 1 && d.alpha.size() == 1 &&
@@ -569,7 +569,7 @@ void FastView::backward(const Image& dE_dradiance, ScratchGradients& gradients) 
   tbb::parallel_for(std::size_t{0}, tiles,
                     [&](std::size_t t) { workspace.by_tile[t] = d.differentiate_tile(t, dE_dradiance); });
   for (const double v : workspace.by_tile) gradients.shared_base_alpha += v;
-  // A scratch's runs are added up in tile order.
+  // The runs of a scratch are summed in tile order.
   workspace.by_chunk.assign(workspace.runs.chunk_count(), Eigen::Array3d::Zero());
   const GrooveStrips* strips = d.sections != nullptr ? &d.sections->strips : nullptr;
   std::vector<StripGradient> by_burr(strips != nullptr ? strips->burrs() : 0);
@@ -616,7 +616,7 @@ void FastView::add_contributions(std::vector<double>& contribution) const {
   if (workspace.owner != this)
     fail("ViewRenderer::add_contributions", "another view has been rendered in the same workspace since",
          "call add_contributions() before the next view's forward()");
-  // Light is not kept pair by pair: it is found again, tile by tile.
+  // Light is not stored per pair, so evaluate it again, tile by tile.
   std::vector<float>& by_run = workspace.by_run;
   grow_to(by_run, workspace.runs.total());
   tbb::parallel_for(std::size_t{0}, d.grid->tiles(), [&](std::size_t t) {

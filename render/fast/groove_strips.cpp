@@ -7,7 +7,7 @@
 namespace burin {
 namespace {
 
-// The number of scratch i, where there is one for each or one for all.
+// The number of scratch i, from one for each or one for all.
 template <typename Numbers>
 auto own(const Numbers& each, std::size_t i) {
   return each[each.size() == 1 ? 0 : i];
@@ -28,7 +28,7 @@ double GrooveStrips::measure(const Shapes& shapes) {
   struct Known {
     double width_um = 0, depth_um = 0, half_um = 0;
   };
-  std::array<Known, 4> known;  // pieces of one groove follow one another, and few of its depths are different
+  std::array<Known, 4> known;  // pieces of one groove are consecutive, and few of its depths differ
   std::size_t oldest = 0;
   double most = 0;
   for (std::size_t i = 0; i < different; ++i) {

@@ -14,10 +14,10 @@
 namespace burin {
 namespace {
 
-constexpr double kLeanAStep = 0.8;  // of the roughness: by how much walls may lean from a node to the next
+constexpr double kLeanAStep = 0.8;  // of the roughness: largest change of lean between nodes
 constexpr int kMostNodes = 400;     // on either side
 
-// Gauss and Legendre's places of four on 0 .. 1.
+// Gauss-Legendre nodes of order four on 0 .. 1.
 constexpr std::array<double, SectionLeans::kGauss> kPlaces{0.06943184420297371, 0.33000947820757187,
                                                            0.66999052179242813, 0.93056815579702629};
 
@@ -75,9 +75,9 @@ SectionLeans section_leans(const GrooveProfile& profile, double width_um, double
 
 LampFits lamp_fits(const ViewScene& scene, const TiledGrid& grid) {
   constexpr double kMiddle = 0.5 * (kTile - 1), kHalf = 0.5 * kTile;
-  constexpr int kEvery = 5;  // pixels from one that is fitted to the next
+  constexpr int kEvery = 5;  // pixels between samples of the fit
   std::vector<ScenePart> parts = scene_parts(scene);
-  for (ScenePart& part : parts) part.scene.hidden_from_light.clear();  // each pixel knows that
+  for (ScenePart& part : parts) part.scene.hidden_from_light.clear();  // the pixels already include it
   LampFits out;
   out.points = static_cast<int>(parts.size());
   out.fits.assign(grid.tiles() * parts.size(), {});
@@ -98,7 +98,7 @@ LampFits lamp_fits(const ViewScene& scene, const TiledGrid& grid) {
     });
     const bool is_whole = all.size() == kTilePixels;
     for (std::size_t k = 0; k < parts.size(); ++k) {
-      std::vector<std::array<double, 7>> rows;  // place, and what is seen there
+      std::vector<std::array<double, 7>> rows;  // position, and the view of the lamp there
       for (const Seen& seen : is_whole ? some : all) {
         const PixelShading p = shade_pixel(parts[k].scene, seen.pixel);
         if (!p.visible || !p.lit) continue;
@@ -114,7 +114,7 @@ LampFits lamp_fits(const ViewScene& scene, const TiledGrid& grid) {
         places.row(row) << 1, c, r, c * c, c * r, r * r;
         seen.row(row) << h_x, h_y, strength, tan2_i, tan2_o;
       }
-      // Of few pixels, the smallest that goes through them.
+      // With few pixels, the minimum-norm polynomial through them.
       const Eigen::MatrixXd fit = places.completeOrthogonalDecomposition().solve(seen);
       error[t] = std::max(error[t], (places * fit.leftCols<2>() - seen.leftCols<2>()).cwiseAbs().maxCoeff());
       LampFit& to = out.fits[t * parts.size() + k];

@@ -52,7 +52,7 @@ PixelPairs find_pairs(const PixelIndex& index, int width, int height, const std:
   for (std::size_t i = 1; i < found.begin.size(); ++i) found.begin[i] += found.begin[i - 1];
   found.scratch.resize(found.begin.back());
   std::vector<std::size_t> next(found.begin.begin(), found.begin.end() - 1);
-  // A tile's runs are in scratch order, and a pixel is of one tile.
+  // A tile's runs are in scratch order, and each pixel belongs to one tile.
   sorted.each_tile(index, SimdWidth::best, [&](std::size_t t, const TilePlaces& pairs) {
     for (std::uint32_t r = 0; r < runs.count(t); ++r)
       for (std::uint32_t k = pairs.begin[r]; k < pairs.begin[r + 1]; ++k)

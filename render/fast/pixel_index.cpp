@@ -11,15 +11,15 @@
 namespace burin {
 namespace {
 
-/// Blocks are split until their map is right within this. Each pixel is widened by it, so it is also the share of pairs
-/// found in vain.
+/// Limit of a block's map error; larger blocks are split. Each pixel is widened by it, so it is also the fraction of
+/// useless pairs.
 constexpr double kBlockError_px = 0.02;
-/// A map of the whole grid that is wrong by more than this is not worth having.
+/// Limit of the error of a map of the whole grid.
 constexpr double kGridError_px = 4 * kTile;
-/// Rounding of what is computed in double, relative to the coordinates that appear in it.
+/// Rounding of double computations, relative to the coordinates in them.
 constexpr double kRounding = 1e-11;
 
-/// Do a strip and a box share a point? Separating axes of both. May say yes when they are within rounding.
+/// Whether a strip and a box share a point, by separating axes of both. May be true within rounding.
 bool touches_box(const Strip& strip, const Eigen::Vector2d& low, const Eigen::Vector2d& high) {
   const Eigen::Vector2d d = strip.p1_mm - strip.p0_mm;
   const double length = d.norm();
@@ -40,7 +40,7 @@ struct Correspondence {
   Eigen::Vector2d board_mm, lattice;
 };
 
-/// Corner (c, r), if a pixel that has a footprint uses it (of the block x0 .. x1 - 1, y0 .. y1 - 1).
+/// Corner (c, r), if a pixel with a footprint uses it (of the block x0 .. x1 - 1, y0 .. y1 - 1).
 struct UsedCorners {
   const FootprintGrid& grid;
   const std::vector<std::uint8_t>& valid;
@@ -56,7 +56,7 @@ struct UsedCorners {
     const std::size_t i = static_cast<std::size_t>(r) * (grid.width() + 1) + c;
     return {grid.corner_x_mm[i], grid.corner_y_mm[i]};
   }
-  /// Up to n x n of them, spread over the block.
+  /// Up to n x n corners, spread over the block.
   std::vector<Correspondence> sample(int n) const {
     std::vector<Correspondence> found;
     int last_r = -1;
@@ -75,7 +75,7 @@ struct UsedCorners {
   }
 };
 
-/// The affine map that takes `from` to `to` with least squared error, or nothing where they do not span a plane.
+/// The least-squares affine map from `from` to `to`, or nothing if the points are collinear.
 std::optional<Eigen::Matrix3d> fit_affine(const std::vector<Eigen::Vector2d>& from,
                                           const std::vector<Eigen::Vector2d>& to) {
   if (from.size() < 4) return std::nullopt;
@@ -213,11 +213,11 @@ void PixelIndex::map_whole_grid(const FootprintGrid& grid) {
   map_.error_px +=
       kRounding *
       (map_.lattice_from_board.topRows<2>().cwiseAbs().maxCoeff() * (largest + 1) / map_.w_min + width_ + height_);
-  map_.error_px = 1.01 * map_.error_px + 1e-3;  // footprints are straight-edged, and float rounds
+  map_.error_px = 1.01 * map_.error_px + 1e-3;  // footprints have straight edges, and float rounds
   map_.exists = std::isfinite(map_.w_min) && map_.error_px <= kGridError_px;
 }
 
-/// Adds blocks of a tile for pixels x0 .. x1 - 1, y0 .. y1 - 1: one if a map serves it, else its quarters.
+/// Adds blocks of a tile for pixels x0 .. x1 - 1, y0 .. y1 - 1: one if a map is accurate enough, else its quarters.
 void PixelIndex::add_blocks(const FootprintGrid& grid, int x0, int y0, int x1, int y1, const Eigen::Vector2d& origin_mm,
                             int left, int top) {
   const UsedCorners corners{grid, valid_, x0, y0, x1, y1};
@@ -231,13 +231,13 @@ void PixelIndex::add_blocks(const FootprintGrid& grid, int x0, int y0, int x1, i
     }
   }
   if (!(low.x() <= high.x())) return;
-  // To float, outwards.
+  // Round to float, outwards.
   for (int i = 0; i < 2; ++i) {
     block.low_mm[i] = std::nextafter(static_cast<float>(low[i]), -INFINITY);
     block.high_mm[i] = std::nextafter(static_cast<float>(high[i]), INFINITY);
   }
 
-  // The grid's map where there is one, put right by an affine map.
+  // The grid's map, if it exists, with an affine correction.
   Eigen::Matrix3d to_tile = Eigen::Matrix3d::Identity();
   to_tile.topRightCorner<2, 1>() = origin_mm;
   const Eigen::Matrix3d rough =
@@ -304,7 +304,7 @@ void PixelIndex::find_tiles(const Eigen::Vector2d& p0_mm, const Eigen::Vector2d&
     }
     return;
   }
-  // The strip lies between its middle's ends, widened by how far its corners are from those.
+  // The strip is between the ends of its middle line, widened by the distance of its corners from them.
   Eigen::Vector2d m0 = q0.head<2>(), m1 = q1.head<2>(), pad = side.head<2>().cwiseAbs();
   if (!map_.affine) {
     m0 = q0.hnormalized();

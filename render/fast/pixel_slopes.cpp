@@ -25,7 +25,7 @@ GrooveSums groove_sums(const PixelSlopes& slopes, double unit, const PixelShadin
     out.affine[3 * row + 2] = shift[row];
   }
 
-  // Corners that move as a linear map takes them: what each does is that map's share of it.
+  // The corners follow a linear map; each corner has its share of the map's derivative.
   const double base = slopes.area_mm2 < area_mm2 ? p.base : 0;
   Eigen::Matrix2d by_map = (out.light_mm2 - base * out.area_mm2) * Eigen::Matrix2d::Identity(),
                   spread = Eigen::Matrix2d::Zero();

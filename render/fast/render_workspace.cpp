@@ -12,10 +12,10 @@
 namespace burin {
 namespace {
 
-/// Places take 2 bytes a pair, derivatives by the ends 8.
+/// Places need 2 bytes per pair, derivatives by the ends 8.
 constexpr std::size_t kPlaceShare = 5;
 
-/// A multiple of 16 that leaves space for a whole packet beyond the last.
+/// A multiple of 16 with space for a whole SIMD vector beyond the last pair.
 std::size_t padded(std::size_t count) { return (count + 31) / 16 * 16; }
 
 std::size_t jacobian_arrays(KernelMode mode, bool by_half_vector = false) {
@@ -30,7 +30,7 @@ TileJacobian jacobian_at(float* at, KernelMode mode, std::size_t count, bool by_
   const std::array<float**, 7> arrays{&to.shift, &to.turn, &to.width, &to.rim, &to.alpha, &to.h_across, &to.h_along};
   for (std::size_t i = 0; i < jacobian_arrays(mode, by_half_vector); ++i, at += n) {
     *arrays[i] = at;
-    // A packet's lanes beyond the last pair weigh nothing, but must be numbers.
+    // Lanes beyond the last pair have no weight, but must be finite.
     std::fill(at + count / 16 * 16, at + n, 0.0F);
   }
   return to;

@@ -2,7 +2,7 @@
 
 namespace burin {
 
-// One a file of its own instruction set; BURIN_X86_KERNELS where the build has the x86 ones.
+// One per file with its own instruction set; the build defines BURIN_X86_KERNELS if it has the x86 kernels.
 extern const TileKernels tile_kernels_generic;
 #ifdef BURIN_X86_KERNELS
 extern const TileKernels tile_kernels_avx2;

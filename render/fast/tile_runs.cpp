@@ -10,9 +10,9 @@
 namespace burin {
 namespace {
 
-constexpr int kBlock = 256;  // scratches that are worked on in one go: plain loops over arrays, which become vectors
+constexpr int kBlock = 256;  // scratches per block: plain loops over arrays, which the compiler vectorizes
 
-/// Zero where a scratch has no length.
+/// Zero for a scratch without length.
 BURIN_MACHINE_CLONES void find_directions(const double* x0, const double* y0, const double* x1, const double* y1, int n,
                                           StripDirection* across) {
   for (int i = 0; i < n; ++i) {
@@ -23,7 +23,7 @@ BURIN_MACHINE_CLONES void find_directions(const double* x0, const double* y0, co
   }
 }
 
-/// A block of scratches, around which a box is laid.
+/// A block of scratches as input of its boxes.
 struct BlockLines {
   const double *x0, *y0, *x1, *y1;
   const StripDirection* across;
@@ -34,7 +34,7 @@ struct BlockLines {
 /// Boxes around a block's scratches in pixels.
 struct PixelBoxes {
   alignas(64) double u_low[kBlock], u_high[kBlock], v_low[kBlock], v_high[kBlock];
-  bool good[kBlock];  // else only PixelIndex::find_tiles() knows
+  bool good[kBlock];  // false: only PixelIndex::find_tiles() can find the tiles
 };
 
 BURIN_MACHINE_CLONES void affine_boxes(const GridMap& map, const BlockLines& l, PixelBoxes& box) {
@@ -73,7 +73,7 @@ BURIN_MACHINE_CLONES void perspective_boxes(const GridMap& map, const BlockLines
   }
 }
 
-/// The same in tiles, cut to the grid. Empty (high below low) where one misses it.
+/// These boxes in tiles, cut to the grid. Empty (high below low) for a scratch off the grid.
 struct TileBoxes {
   alignas(64) int column0[kBlock], column1[kBlock], row0[kBlock], row1[kBlock];
 };
@@ -82,8 +82,8 @@ BURIN_MACHINE_CLONES void tile_boxes(const PixelBoxes& in, int n, double pad_px,
                                      TileBoxes& out) {
   constexpr double kPerTile = 1.0 / kTile;
   const double pad = pad_px * kPerTile;
-  // Clamped first (what is no number to the lower limit), so that a cast rounds down: below the grid or beyond it
-  // gives a box without tiles.
+  // Clamped first (NaN to the lower limit), so that a cast rounds down. Positions off the grid give a box without
+  // tiles.
   for (int i = 0; i < n; ++i) {
     out.column0[i] = static_cast<int>(std::min(std::max(0.0, in.u_low[i] * kPerTile - pad), columns));
     out.column1[i] = static_cast<int>(std::min(std::max(-1.0, in.u_high[i] * kPerTile + pad), columns - 0.5) + 1) - 1;
@@ -97,12 +97,12 @@ BURIN_MACHINE_CLONES void tile_boxes(const PixelBoxes& in, int n, double pad_px,
 void TileRuns::find_tiles(const PixelIndex& index, const ScratchLines& lines, Chunk& chunk) {
   const std::span<const GridTile> tiles = index.tiles();
   chunk.counts.assign(tiles.size(), 0);
-  chunk.touched.reserve(tiles.size());  // all that one scratch can touch
+  chunk.touched.reserve(tiles.size());  // upper bound for one scratch
   chunk.entry_count = 0;
   const auto make_room = [&](std::size_t more) {
     if (chunk.entries.size() < chunk.entry_count + more) chunk.entries.resize(2 * chunk.entry_count + more + kBlock);
   };
-  // Without a branch: an entry that does not count is overwritten by the next.
+  // No branch: the next entry overwrites an invalid one.
   const auto add = [&](std::size_t scratch, std::uint32_t tile, bool really) {
     const std::uint32_t one = really && tiles[tile].block_begin != tiles[tile].block_end ? 1 : 0;
     chunk.entries[chunk.entry_count] = {tile, static_cast<std::uint32_t>(scratch)};

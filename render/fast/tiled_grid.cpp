@@ -11,7 +11,7 @@
 namespace burin {
 namespace {
 
-/// Corners this near to their lattice, as a share of a pixel, lie on it: what doubles leave of a board's grid.
+/// Corners within this distance of their lattice, as a share of a pixel, are on it: rounding of a board's grid.
 constexpr double kOnLattice = 1e-9;
 
 }  // namespace
@@ -26,7 +26,7 @@ TiledGrid::TiledGrid(const FootprintGrid& grid)
   std::vector<std::uint8_t> on_lattice(tiles(), 1);
   tbb::parallel_for(std::size_t{0}, tiles(), [&](std::size_t t) {
     const Eigen::Vector2d& origin = index.tiles()[t].origin_mm;
-    // Of how many of the tile's footprints each corner is one.
+    // Number of the tile's footprints at each corner.
     std::array<int, TileCorners::kSide * TileCorners::kSide> shared{};
     each_pixel(t, [&](int x, int y, std::size_t place) {
       if (!index.has_footprint()[static_cast<std::size_t>(y) * width + x]) return;
@@ -37,7 +37,7 @@ TiledGrid::TiledGrid(const FootprintGrid& grid)
            {corner, corner + 1, corner + TileCorners::kSide + 1, corner + TileCorners::kSide})
         ++shared[around];
     });
-    // visit(number of the corner, of how many footprints, column and row in pixels from the first one's middle, mm).
+    // visit(index of the corner, number of footprints, column and row in pixels from the first one's middle, mm).
     const int x0 = static_cast<int>(t % index.tiles_x()) * kTile, y0 = static_cast<int>(t / index.tiles_x()) * kTile;
     const auto each_corner = [&](const auto& visit) {
       for (int row = 0; row < TileCorners::kSide; ++row)
