@@ -25,7 +25,7 @@
 namespace burin {
 namespace {
 
-constexpr double kKnot = 0.15;  // of the roughness: by how much h may turn from a knot along a scratch to the next
+constexpr double kKnot = 0.15;  // of the roughness: largest turn of h between knots along a scratch
 
 BURIN_MACHINE_CLONES void add_times(const float* from, float by, float by_too, int n, float* to, float* to_too) {
   for (int k = 0; k < n; ++k) {
@@ -34,7 +34,7 @@ BURIN_MACHINE_CLONES void add_times(const float* from, float by, float by_too, i
   }
 }
 
-/// A scratch's light across it at a place along it: per channel, and by its direction and log(alpha).
+/// A scratch's light across it at a position along it: per channel, and by its direction and log(alpha).
 struct Knot {
   double s = 0;  // along the scratch, in half widths
   std::array<LightCurve, 3> light, by_turn, by_log_alpha;
@@ -43,11 +43,11 @@ struct Knot {
 /// The pairs of a scratch with their light.
 struct ScratchPairs {
   std::vector<std::uint32_t> pixel;
-  std::vector<float> light;  // channels a pair, mm^2 of R
+  std::vector<float> light;  // channels per pair, mm^2 of R
   std::vector<float> area;   // mm^2
 };
 
-/// A thread's own.
+/// Buffers of one thread.
 struct Work {
   std::vector<PixelSpan> spans;
   std::vector<float> sum, slope;
@@ -55,7 +55,7 @@ struct Work {
   std::vector<Knot> knots;
 };
 
-/// What a whole scratch's pairs need.
+/// Data of a scratch for all of its pairs.
 struct SeenScratch {
   ScratchFrame frame;
   double half_mm = 0, rim = 0, length = 0;  // half the width; T; length in half widths
@@ -77,13 +77,13 @@ struct ExactSurroundings::Data {
   PixelIndex index;
   PlaceLattice lattice;
   TableRange range;
-  std::vector<FacetTable> tables;  // by its roughnesses
+  std::vector<FacetTable> tables;  // by roughness
   FaceLight face;
   std::vector<double> area_mm2;
-  // Of the last forward.
+  // From the last forward.
   Scratches scratches;
   std::vector<ScratchPairs> pairs;
-  std::vector<float> covered;  // share of a pixel
+  std::vector<float> covered;  // as a fraction of a pixel
   mutable tbb::enumerable_thread_specific<Work> work;
 
   Data(const ViewScene& s, const Light& l, const RenderOptions& o)
@@ -137,8 +137,8 @@ void ExactSurroundings::Data::make_tables() {
     tables.push_back(make_facet_table(scene, light, channels, lattice, alpha, range.steepest_t));
 }
 
-// The table's light for normals that lean along `across` (azimuth), for one place: values and slopes by the azimuth
-// into w.sum and w.slope, `side` -1 and 1 being the halves of the groove.
+// The table's light for normals that lean along `across` (azimuth), for one place. Writes values and derivatives by the
+// azimuth to w.sum and w.slope; `side` -1 and 1 are the halves of the groove.
 void ExactSurroundings::Data::add_table(const FacetTable& table, std::size_t pixel, double across, double share,
                                         int side, Work& w) const {
   const double turned = across / (2 * std::numbers::pi);
@@ -162,7 +162,7 @@ void ExactSurroundings::Data::add_table(const FacetTable& table, std::size_t pix
 
 namespace {
 
-// The three tables nearest to a roughness (or the one there is), with Lagrange's shares in log(alpha).
+// The three tables nearest to a roughness (or the only one), with Lagrange weights in log(alpha).
 struct AlphaShares {
   int first = 0, count = 1;
   std::array<double, 3> share{1, 0, 0}, slope{};
@@ -194,7 +194,7 @@ void ExactSurroundings::Data::curves_at(const SeenScratch& s, std::size_t pixel,
                                         Knot& knot) const {
   const double across = std::atan2(s.frame.x.y(), s.frame.x.x());
   const AlphaShares shares = alpha_shares(range.alphas, s.frame.groove.alpha);
-  // Tables of other roughnesses have steps of their own: each is read at the nodes of the middle one.
+  // Tables of other roughnesses have other steps: each is read at the nodes of the middle one.
   const FacetTable& middle = tables[shares.first + shares.count / 2];
   const int n = middle.t_count;
   const std::size_t nodes = 2 * static_cast<std::size_t>(n) - 1;
@@ -204,7 +204,7 @@ void ExactSurroundings::Data::curves_at(const SeenScratch& s, std::size_t pixel,
     const FacetTable& table = tables[shares.first + t];
     w.sum.assign(2 * table.ring_size(), 0.0F);
     w.slope.assign(2 * table.ring_size(), 0.0F);
-    // The normal (-2t, 0, 1 - t^2) leans away from x where t is positive (docs/model.md 2.3).
+    // The normal (-2t, 0, 1 - t^2) leans away from x for positive t (docs/model.md 2.3).
     add_table(table, pixel, across, 1, -1, w);
     add_table(table, pixel, across + std::numbers::pi, 1, 1, w);
     const double ratio = middle.t_step / table.t_step;
@@ -264,7 +264,7 @@ void ExactSurroundings::Data::make_knots(const SeenScratch& s, const std::vector
 
 namespace {
 
-// The two knots that a place lies between, and the second one's share.
+// The two knots around a position, and the weight of the second.
 struct Between {
   std::size_t a = 0, b = 0;
   double share = 0;
@@ -279,7 +279,7 @@ Between between(const std::vector<Knot>& knots, double s) {
   return {k - 1, k, std::clamp((s - knots[k - 1].s) / length, 0.0, 1.0)};
 }
 
-// The same sum over both knots, for whichever of their curves.
+// Interpolates a sum between both knots, for any of their curves.
 template <typename Of>
 auto blended(const std::vector<Knot>& knots, const Between& at, const Of& of) {
   auto sum = of(knots[at.a]);
@@ -344,7 +344,7 @@ void ExactSurroundings::Data::differentiate(std::size_t i, const std::vector<dou
     value += by * g.value;
     shift_x += by * g.by_shift_t;
     shift_y += by * g.by_shift_y;
-    turn -= by * g.by_turn;  // a turn of the frame turns what lies in it back
+    turn -= by * g.by_turn;  // a turn of the frame turns its contents back
     length += by * g.by_length;
     rim += by * g.by_rim;
     growth += by * g.by_growth;
@@ -372,7 +372,7 @@ void ExactSurroundings::Data::differentiate(std::size_t i, const std::vector<dou
   const Eigen::Vector2d start = -end - x * (half * shift_x) - y * (half * shift_y);
   const double rim_by_depth = std::exp(-2 * g.depth_um / g.width_um) / (g.width_um * s.rim);
   const double by_depth = unit * rim * rim_by_depth;
-  // Euler's relation, 4.22: everything in mm scales alike.
+  // Euler's relation, 4.22: all lengths in mm scale alike.
   const double by_width =
       (2 * unit * value - unit * growth - half * length * g.length_mm - by_depth * g.depth_um) / g.width_um;
   sums = {start.x(), start.y(), end.x(), end.y(), by_width, by_depth, unit * log_alpha / g.alpha};
@@ -404,7 +404,7 @@ void ExactSurroundings::add_radiance(const Scratches& scratches, Image& radiance
       for (std::size_t i = range.begin(); i < range.end(); ++i) d.find_scratch_pairs(i, strips[i]);
     });
   }
-  for (const ScratchPairs& p : d.pairs)  // in one order, whatever the threads
+  for (const ScratchPairs& p : d.pairs)  // in one order, for any number of threads
     for (std::size_t k = 0; k < p.pixel.size(); ++k) {
       area[p.pixel[k]] += p.area[k];
       for (int c = 0; c < d.channels; ++c)

@@ -14,7 +14,7 @@ FaceLight face_light(const ViewScene& scene, const Light& light, int channels, c
   FaceLight out{std::vector<float>(n, 0), std::vector<float>(n, 0)};
   tbb::parallel_for(0, height, [&](int r) {
     const CubicShares y = cubic_shares(r / lattice.row_pixels, lattice.rows, false);
-    // A row of pixels lies between the same rows of places.
+    // All pixels of a row interpolate the same rows of places.
     const std::size_t row = static_cast<std::size_t>(lattice.columns) * channels;
     std::vector<float> value(row, 0), slope(row, 0);
     for (int j = 0; j < 4; ++j)

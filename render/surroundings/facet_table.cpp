@@ -18,15 +18,15 @@
 namespace burin {
 namespace {
 
-constexpr double kFine = 0.2;  // of the roughness: steps of half vectors and of normals that cubics are good for
+constexpr double kFine = 0.2;  // of the roughness: largest step of half vectors and of normals for cubic interpolation
 
-/// Rings of half vectors: lean (k + 1/2) step, `azimuths` places each.
+/// Rings of half vectors: lean (k + 1/2) step, `azimuths` positions each.
 struct Rings {
   int count = 0, azimuths = 0;
   double step = 0;
 };
 
-// Half vectors of a run, with what each has to put onto the rings.
+// Half vectors of a run with their positions on the rings.
 struct Places {
   alignas(64) float lean[SeenSources::kMost];
   alignas(64) float turn[SeenSources::kMost];  // azimuth / (2 pi), 0 .. 1
@@ -51,7 +51,7 @@ void place(const SeenSources& seen, float alpha, Places& at) {
   }
 }
 
-// Puts strength onto 4 x 4 places of the rings so that polynomials up to the third degree are summed as they are.
+// Spreads strength over 4 x 4 positions of the rings, which preserves sums of polynomials up to the third degree.
 void spread(const Rings& rings, const SeenSources& seen, const Places& places, int channels, std::vector<float>& on) {
   const float per_step = static_cast<float>(1 / rings.step), azimuths = static_cast<float>(rings.azimuths);
   for (int k = 0; k < seen.count; ++k) {
@@ -77,9 +77,9 @@ void spread(const Rings& rings, const SeenSources& seen, const Places& places, i
   }
 }
 
-// Fourier's transform of D over azimuth, for each lean of a normal and of a half vector: real, half of it. A facet's
-// axes, across and along its groove, turn with the azimuth in which it leans: D (docs/model.md 3.7) still depends on
-// the difference of azimuths alone.
+// Fourier transform of D over azimuth, for each lean of a normal and of a half vector: real, half of it. A facet's
+// axes, across and along its groove, turn with the azimuth of its lean. So D (docs/model.md 3.7) still depends on the
+// difference of azimuths alone.
 std::vector<float> lobe_spectra(const FacetTable& table, const Rings& rings, const FourierTurns& turns, double alpha,
                                 double across) {
   const int half = rings.azimuths / 2 + 1;
@@ -140,7 +140,7 @@ void convolve(const FacetTable& table, const Rings& rings, const FourierTurns& t
 }  // namespace
 
 PlaceLattice place_lattice(const ViewScene& scene, const Light& light, double alpha) {
-  constexpr double kStep = 0.3;  // of the roughness: from a node to the next
+  constexpr double kStep = 0.3;  // of the roughness: turn between nodes
   constexpr int kMost = 40;
   const FootprintGrid& grid = *scene.grid;
   const int w = grid.width(), h = grid.height();
@@ -149,7 +149,7 @@ PlaceLattice place_lattice(const ViewScene& scene, const Light& light, double al
     if (grid.center_mm[i].allFinite() && grid.normal[i].allFinite()) valid.push_back(i);
   PlaceLattice out;
   if (valid.empty()) return out;
-  // How far the eye's direction, and the face, turn over the picture: from its box of extremes.
+  // Turn of the eye's direction, and of the face, over the picture: from its box of extremes.
   const auto turned = [&](std::size_t a, std::size_t b) {
     const auto wo = [&](std::size_t i) -> Eigen::Vector3d {
       return (scene.camera_center_mm - grid.center_mm[i]).normalized();
@@ -160,7 +160,7 @@ PlaceLattice place_lattice(const ViewScene& scene, const Light& light, double al
     const double by_lamp = light.far ? 0 : 0.5 * (wi(a) - wi(b)).norm();
     return 0.5 * (wo(a) - wo(b)).norm() + by_lamp + (grid.normal[a] - grid.normal[b]).norm();
   };
-  double by_column = 0, by_row = 0;  // radians a pixel
+  double by_column = 0, by_row = 0;  // radians per pixel
   const std::size_t stride = std::max<std::size_t>(1, valid.size() / 400);
   for (std::size_t k = 0; k < valid.size(); k += stride)
     for (const std::size_t to : {valid.front(), valid[valid.size() / 2], valid.back()}) {
@@ -186,7 +186,7 @@ PlaceLattice place_lattice(const ViewScene& scene, const Light& light, double al
                          std::min(w - 1, static_cast<int>(std::lround(x)));
       if (!is_valid[best]) {
         double nearest = std::numeric_limits<double>::infinity();
-        // Of large pictures some pixels will do: a place outside is only there to be interpolated from.
+        // In large pictures a subset of pixels is enough, because places off the face serve interpolation alone.
         for (std::size_t k = 0; k < valid.size(); k += std::max<std::size_t>(1, valid.size() / 10'000)) {
           const std::size_t i = valid[k], row = i / w;
           const double d = std::hypot(static_cast<double>(i % w) - x, static_cast<double>(row) - y);

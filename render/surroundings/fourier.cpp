@@ -17,7 +17,7 @@ FourierTurns fourier_turns(std::size_t n) {
 
 void fourier(std::vector<std::complex<float>>& ring, const FourierTurns& turns, bool back) {
   const std::size_t n = ring.size();
-  for (std::size_t i = 1, j = 0; i < n; ++i) {  // bits in reverse
+  for (std::size_t i = 1, j = 0; i < n; ++i) {  // bit reversal
     std::size_t bit = n >> 1;
     for (; j & bit; bit >>= 1) j ^= bit;
     j ^= bit;

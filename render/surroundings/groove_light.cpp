@@ -45,7 +45,7 @@ namespace {
 
 using PieceKind = GroovePieces::Piece::Kind;
 
-// The part of an edge between the rims, cut where it enters or leaves the groove's length.
+// The part of an edge between the rims, cut at its entry into and exit from the groove's length.
 void add_edge(Eigen::Vector2d a, Eigen::Vector2d b, double rim, double length, GroovePieces& out) {
   const double low = std::min(a.x(), b.x()), high = std::max(a.x(), b.x());
   if (low >= rim || high <= -rim) return;
@@ -60,7 +60,7 @@ void add_edge(Eigen::Vector2d a, Eigen::Vector2d b, double rim, double length, G
   const auto kind_of = [&](double y) {
     return y < 0 ? PieceKind::at_start : y > length ? PieceKind::at_end : PieceKind::inside;
   };
-  // Places along it where Y passes an end of the groove.
+  // Positions along it at which Y passes an end of the groove.
   std::array<double, 4> at{0, 1, 1, 1};
   int n = 1;
   const double dy = b.y() - a.y();
@@ -76,7 +76,7 @@ void add_edge(Eigen::Vector2d a, Eigen::Vector2d b, double rim, double length, G
   }
 }
 
-// How much of a pixel's cut at t lies within the groove's length.
+// Length of a pixel's cut at t within the groove's length.
 double extent_at(const std::array<Eigen::Vector2d, 4>& q, double t, double length) {
   double low = 1e300, high = -1e300;
   for (int i = 0; i < 4; ++i) {
@@ -89,7 +89,7 @@ double extent_at(const std::array<Eigen::Vector2d, 4>& q, double t, double lengt
   return high > low ? std::clamp(high, 0.0, length) - std::clamp(low, 0.0, length) : 0;
 }
 
-constexpr double kUpright = 1e-7;  // less than that across, a piece runs along the groove
+constexpr double kUpright = 1e-7;  // a piece with less extent across runs along the groove
 
 struct Integrals {
   double of_light, first;  // integrals of R and of (t - middle) R over the piece, signed
@@ -104,7 +104,7 @@ Integrals over(const GroovePieces::Piece& p, const LightCurve& curve) {
   }
   const LightCurve::At a = curve.at(p.t1), b = curve.at(p.t2);
   const double sum = b.sum - a.sum;
-  // By parts: the integral of (t - middle) R is [(t - middle) sum] less that of the sum.
+  // By parts: the integral of (t - middle) R is [(t - middle) sum] minus the integral of the sum.
   const double first = 0.5 * dt * (a.sum + b.sum) - (b.sum_of_sums - a.sum_of_sums);
   return {sum, first, sum / dt};
 }
@@ -136,7 +136,7 @@ PieceSums sums_of(const GroovePieces& pieces, const Over& integrals) {
     out.value -= (y - level) * i.of_light + slope * i.first;
     if (p.kind == PieceKind::at_end) out.by_length -= i.of_light;
     if (p.kind != PieceKind::inside) continue;
-    // Along it: integrals of R dY, R dt, R Y dY, R t dt, R t dY, R Y dt.
+    // Along the piece: integrals of R dY, R dt, R Y dY, R t dt, R t dY, R Y dt.
     const double r_dy = i.mean * dy, r_dt = i.of_light;
     const double ry_dy = y * r_dy + slope * slope * i.first, rt_dt = t * r_dt + i.first;
     const double rt_dy = t * r_dy + slope * i.first, ry_dt = y * r_dt + slope * i.first;
@@ -163,7 +163,7 @@ GroovePieces groove_pieces(const std::array<Eigen::Vector2d, 4>& corners, double
 }
 
 double piece_value(const GroovePieces& pieces, const LightCurve& curve) {
-  // Between the rims' cuts the boundary runs along the rims, where dt is 0: pieces alone count. Their level is common.
+  // Between the cuts at the rims the boundary runs along the rims, where dt is 0. So only pieces contribute.
   return value_of(pieces, [&](const GroovePieces::Piece& p) { return over(p, curve); });
 }
 

@@ -17,18 +17,18 @@
 namespace burin {
 namespace {
 
-constexpr double kStepsANode = 6.5;      // steps of the facets' table: from a node of a curve to the next
-constexpr double kFiner = 2.0;           // times as many places, where light between them is taken as straight
-constexpr double kLinear = 0.2;          // of the roughness: h may turn so far over a tile that is taken as linear
-constexpr std::size_t kMostCorners = 3;  // times as many corners of tiles as finer places, to be places themselves
-constexpr std::size_t kMostFloats = 32'000'000;  // of a table with the finer places: else the coarse ones are kept
+constexpr double kStepsANode = 6.5;      // steps of the facets' table per node of a curve
+constexpr double kFiner = 2.0;           // factor of the number of places, if light is linear between them
+constexpr double kLinear = 0.2;          // of the roughness: largest turn of h over a tile for linear light
+constexpr std::size_t kMostCorners = 3;  // times the finer places: largest number of tile corners that replace them
+constexpr std::size_t kMostFloats = 32'000'000;  // limit of a table with finer places; beyond it the coarse ones stay
 
 BURIN_MACHINE_CLONES void add_times(const float* from, float by, std::size_t n, float* to) {
   for (std::size_t k = 0; k < n; ++k) to[k] += by * from[k];
 }
 
-// Of the facets that a curve goes over, at nodes and between them: tan(lean / 2), evenly spread over -half_count * step
-// .. half_count * step in t. Empty for the paper's grooves, where that is t itself.
+// Facets of a curve, at nodes and between them: tan(lean / 2), evenly spread over -half_count * step .. half_count *
+// step in t. Empty for the paper's grooves, for which it equals t.
 using CurveFacets = std::vector<double>;
 CurveFacets curve_facets(const ViewScene& scene, SectionPart part, const SectionNodes& nodes) {
   constexpr int kEachNode = 8;
@@ -39,8 +39,8 @@ CurveFacets curve_facets(const ViewScene& scene, SectionPart part, const Section
   return out;
 }
 
-// A curve of one direction at one place, as it is tabulated. The normal (-2t, 0, 1 - t^2) leans along `across` where t
-// is negative (docs/model.md 2.3).
+// A tabulated curve of one direction at one place. The normal (-2t, 0, 1 - t^2) leans along `across` for negative t
+// (docs/model.md 2.3).
 void add_row(const FacetTable& facets, const CurveFacets& through, int place, int channel, double across,
              const CurveTables& table, float* to) {
   const int n = facets.t_count;
@@ -71,7 +71,7 @@ void add_row(const FacetTable& facets, const CurveFacets& through, int place, in
   }
 }
 
-// Pixels where tiles meet along a side of so many pixels.
+// Pixels at tile boundaries along a side of `pixels` pixels.
 std::vector<float> tile_corners(double pixels) {
   std::vector<float> out{0};
   for (int corner = kTile; corner < pixels; corner += kTile) out.push_back(static_cast<float>(corner) - 0.5F);
@@ -79,7 +79,7 @@ std::vector<float> tile_corners(double pixels) {
   return out;
 }
 
-// The same curves at other places, given in steps of the table's.
+// Resamples the curves at other places, given in steps of the table's.
 void take_places(CurveTables& table, CurveFloats& curves, const std::vector<double>& columns,
                  const std::vector<double>& rows) {
   const std::size_t floats = table.place_floats(), tables = table.tables();
@@ -120,7 +120,7 @@ void keep(const CurveFloats& curves, CurveTables& table) {
   });
 }
 
-// The places of the tiles' corners, in steps of `per_pixel` pixels' inverse.
+// Places of the tiles' corners, in the table's steps.
 std::vector<double> places_of(const std::vector<float>& corners, double per_pixel) {
   std::vector<double> out;
   out.reserve(corners.size());
@@ -128,7 +128,7 @@ std::vector<double> places_of(const std::vector<float>& corners, double per_pixe
   return out;
 }
 
-// Places closer together, `count` of them, so that light between them may be taken as straight.
+// `count` denser places, between which light is linear.
 std::vector<double> finer(int coarse, int count) {
   std::vector<double> out;
   out.reserve(count);

@@ -15,15 +15,15 @@ namespace {
 using Packet = xsimd::batch<float>;
 constexpr std::size_t kLanes = Packet::size;
 
-/// Light from one direction: radiance times solid angle, R G B. Of a lamp: its share of the light, and `to` is a place,
-/// mm.
+/// Light from one direction: radiance times solid angle, R G B. For a lamp: its share of the light, and `to` is a
+/// position, mm.
 struct FarRay {
   Eigen::Vector3d to;
   Eigen::Vector3d power;
 };
 
-// The panorama's pixels, put together or cut up to the size that the roughness asks for: half vectors turn half as
-// much. Directions below the face of a flat board may still lie above a bowed one: all are kept that bring light.
+// Pixels of the environment map, merged or split to the size that the roughness requires; half vectors turn half as
+// much. Directions below the face of a flat board may be above a bowed face, so all with light are kept.
 std::vector<FarRay> rays_of(const Panorama& panorama, double fine) {
   const Image& picture = panorama.radiance;
   const double wanted = 1.5 * fine, own = std::numbers::pi / picture.height;
@@ -59,7 +59,7 @@ std::vector<FarRay> rays_of(const Panorama& panorama, double fine) {
   return out;
 }
 
-// Points all over a lamp's area, as close together as the roughness asks for.
+// Points over a lamp's area, at the spacing that the roughness requires.
 std::vector<FarRay> points_of(const Light& lamp, double fine) {
   const auto across = across_axis(lamp.axis, lamp.size.turn_deg);
   const bool disk = lamp.size.disk_mm > 0;
@@ -69,7 +69,7 @@ std::vector<FarRay> points_of(const Light& lamp, double fine) {
   std::vector<FarRay> out;
   for (int k = 0; k < count; ++k) {
     Eigen::Vector2d at;
-    if (disk) {  // four sunflowers, turned by right angles: about the middle
+    if (disk) {  // four sunflower patterns, rotated by right angles: centered on the middle
       const int quarter = k / 4, each = count / 4;
       const double r = lamp.size.disk_mm * std::sqrt((quarter + 0.5) / each),
                    turn = quarter * std::numbers::pi * (3 - std::sqrt(5)) + k % 4 * std::numbers::pi / 2;

@@ -20,8 +20,8 @@ struct SurroundingsView::Data {
   PlaceLattice lattice;
   TableRange range;
   std::vector<std::unique_ptr<FastView>> channels;
-  Image one;                                 // of a channel; kept for the next time
-  std::unique_ptr<ExactSurroundings> exact;  // with use_double: then no channels
+  Image one;                                 // buffer of one channel
+  std::unique_ptr<ExactSurroundings> exact;  // with use_double, which has no channels
 
   Data(const ViewScene& s, const Light& l, const RenderOptions& o) : scene(s), light(l), options(o) {}
 
@@ -86,7 +86,7 @@ void SurroundingsView::add_radiance(const Scratches& scratches, bool keep_jacobi
   d.make_tables(scratches);
   const std::size_t n = d.channels.size();
   for (std::size_t c = 0; c < n; ++c) {
-    // Channels share a workspace: the last one's Jacobian stays.
+    // Channels share a workspace, which keeps the last one's Jacobian.
     const KernelMode mode = keep_jacobian && c + 1 == n ? d.with_jacobian() : KernelMode::value;
     if (instead && n == 1) {
       d.channels[c]->forward(scratches, mode, radiance);

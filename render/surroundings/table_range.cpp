@@ -11,7 +11,7 @@
 namespace burin {
 namespace {
 
-constexpr double kAlphaRatio = 1.05;  // from a table's roughness to the next
+constexpr double kAlphaRatio = 1.05;  // ratio of the roughnesses of neighboring tables
 
 struct Wanted {
   double least, most, rim;
@@ -37,7 +37,7 @@ Wanted wanted(const ViewScene& scene, const Scratches& s) {
   return out;
 }
 
-// How steep walls are at most.
+// Largest lean of the walls.
 double steepest_wall(const ViewScene& scene, double rim) {
   const GrooveProfile& profile = scene.material.profile;
   const double highest = std::max(profile.burr_left_um, profile.burr_right_um);
