@@ -12,7 +12,7 @@ namespace burin {
 
 std::string encoded_picture(const std::string& extension, OIIO::ImageSpec spec, const OIIO::TypeDesc& type,
                             const void* pixels, const std::filesystem::path& file) {
-  // OpenImageIO puts the clock into EXR and TIFF files that have no date.
+  // OpenImageIO writes the present time into EXR and TIFF files without a date.
   const bool dates = extension == ".exr" || extension == ".tif" || extension == ".tiff";
   if (dates && spec.find_attribute("DateTime") == nullptr) spec.attribute("DateTime", "");
   const std::string name = "picture" + extension;

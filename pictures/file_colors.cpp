@@ -47,7 +47,7 @@ std::shared_ptr<void> rgb_profile(const cmsCIExyYTRIPLE& primaries, cmsToneCurve
   return profile_handle(cmsCreateRGBProfile(&kD65, &primaries, curves.data()));
 }
 
-// Chromaticities of H.273's table 2 for the primaries that pictures have; sRGB's for the rest.
+// Chromaticities of H.273's table 2 for the primaries of pictures; sRGB's for all others.
 cmsCIExyYTRIPLE primaries_of(int code) {
   if (code == 9) return {{0.708, 0.292, 1}, {0.170, 0.797, 1}, {0.131, 0.046, 1}};                 // BT.2020
   if (code == 11 || code == 12) return {{0.680, 0.320, 1}, {0.265, 0.690, 1}, {0.150, 0.060, 1}};  // P3
@@ -70,7 +70,7 @@ std::uint32_t big_endian(std::string_view bytes, std::size_t at) {
   return value;
 }
 
-// What a PNG's chunks before its pixels say: OpenImageIO calls every PNG sRGB.
+// Colors in a PNG's chunks before its pixels, because OpenImageIO labels every PNG as sRGB.
 struct PngColors {
   std::optional<CodePoints> code_points;
   std::optional<double> gamma;
@@ -93,7 +93,7 @@ PngColors png_colors(const fs::path& file) {
   return out;
 }
 
-// A JPEG's segments before its first scan: what is handed to take(marker, bytes).
+// Calls take(marker, bytes) for a JPEG's segments before its first scan.
 template <typename Take>
 void for_each_segment(const fs::path& file, const Take& take) {
   const std::string head = read_head(file, limit::kMiB);
@@ -110,7 +110,7 @@ void for_each_segment(const fs::path& file, const Take& take) {
   }
 }
 
-// An entry's value, or its place, in the directory at `directory` of TIFF bytes; EXIF 2.32, 4.6.2.
+// Value of an entry, or its offset, in the directory at `directory` of TIFF bytes; EXIF 2.32, 4.6.2.
 std::optional<std::uint32_t> tiff_entry(std::string_view tiff, std::size_t directory, unsigned tag, bool place) {
   const bool big = tiff.starts_with("MM");
   const auto number = [&](std::size_t at, std::size_t bytes) {
@@ -129,7 +129,7 @@ std::optional<std::uint32_t> tiff_entry(std::string_view tiff, std::size_t direc
   return std::nullopt;
 }
 
-// DCF 2.0, 3.3: "R03" in EXIF's interoperability directory names Adobe RGB, which EXIF itself calls uncalibrated.
+// DCF 2.0, 3.3: "R03" in EXIF's interoperability directory means Adobe RGB, which EXIF itself marks as uncalibrated.
 bool is_dcf_option_file(const fs::path& file) {
   bool found = false;
   for_each_segment(file, [&](unsigned char marker, std::string_view bytes) {
@@ -161,7 +161,7 @@ std::string description_of(cmsHPROFILE profile) {
   return printable(text.data());
 }
 
-// The curve along the grays of a profile that has no curves of its own but a table: its light, white being 1.
+// Light along the grays of a profile with a table instead of curves; white is 1.
 std::optional<std::vector<double>> gray_axis(cmsHPROFILE profile, std::size_t size) {
   const auto xyz = profile_handle(cmsCreateXYZProfile());
   const bool gray = cmsGetColorSpace(profile) == cmsSigGrayData;
@@ -184,7 +184,7 @@ std::optional<std::vector<double>> gray_axis(cmsHPROFILE profile, std::size_t si
 
 constexpr std::size_t kCurveSize = 4097;
 
-// Light over stored value, one curve per channel.
+// Light as a function of the stored value, one curve per channel.
 std::optional<std::vector<std::vector<double>>> light_curves(cmsHPROFILE profile, int channels) {
   const bool gray = cmsGetColorSpace(profile) == cmsSigGrayData;
   const std::array<cmsTagSignature, 3> tags{gray ? cmsSigGrayTRCTag : cmsSigRedTRCTag,
@@ -214,7 +214,7 @@ ToSrgbCurve stored_by_srgb(const std::vector<double>& light) {
 }
 
 FileColors::Curve curve_kind(const std::vector<std::vector<double>>& light) {
-  constexpr double kSame = 0.006;  // in stored values: what programs call sRGB differs by 1.5 levels of 255
+  constexpr double kSame = 0.006;  // in stored values: sRGB as programs write it differs by 1.5 levels of 255
   double off_srgb = 0, off_linear = 0;
   for (const std::vector<double>& curve : light)
     for (std::size_t i = 0; i < curve.size(); ++i) {
@@ -228,7 +228,7 @@ FileColors::Curve curve_kind(const std::vector<std::vector<double>>& light) {
                               : FileColors::Curve::other;
 }
 
-// Whether a profile's colors are sRGB's, by a few of them.
+// Whether a profile's colors are sRGB's, tested on a few of them.
 bool shows_srgb(cmsHPROFILE profile) {
   if (cmsGetColorSpace(profile) != cmsSigRgbData) return false;
   const auto srgb = profile_handle(cmsCreate_sRGBProfile());
@@ -287,7 +287,7 @@ FileColors file_colors(const OIIO::ImageInput& input, const fs::path& file) {
     const auto profile = profile_handle(cmsOpenProfileFromMem(icc.data(), static_cast<cmsUInt32Number>(icc.size())));
     if (!profile) fail(file.string(), "carries a color profile that cannot be read", kAsSrgb);
     const cmsColorSpaceSignature space = cmsGetColorSpace(profile.get());
-    // Of CMYK and Lab, OpenImageIO has made colors of its own, which the profile does not describe.
+    // For CMYK and Lab, OpenImageIO has converted the colors, so the profile does not describe them.
     if (space == cmsSigRgbData || space == cmsSigGrayData)
       return stated(profile, "the color profile \"" + description_of(profile.get()) + "\"", channels, file);
     return {};

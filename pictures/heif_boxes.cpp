@@ -12,7 +12,7 @@
 namespace burin {
 namespace {
 
-/// A number of a text by its place; 0 beyond its end.
+/// A number in a text by offset; 0 beyond its end.
 std::uint64_t heif_number(std::string_view text, std::size_t at, int bytes) {
   if (at > text.size() || text.size() - at < static_cast<std::size_t>(bytes)) return 0;
   std::uint64_t value = 0;
@@ -25,7 +25,7 @@ struct HeifBox {
   std::string_view type, body;
 };
 
-/// The boxes within a text, as far as they fit into it.
+/// The boxes within a text that fit into it.
 std::vector<HeifBox> boxes_in(std::string_view text) {
   constexpr std::size_t kMost = 100'000, kHead = 8;
   std::vector<HeifBox> boxes;
@@ -47,7 +47,7 @@ std::string_view box_in(std::string_view text, std::string_view type) {
   return {};
 }
 
-/// The file's "meta", without its version.
+/// The file's "meta" box, without its version.
 std::string meta_of(PictureBytes& file) {
   std::string meta;
   std::uintmax_t at = 0;
@@ -74,7 +74,7 @@ HeifBoxes read_heif_boxes(PictureBytes& file) {
   for (int box = 0; box < 1000 && at + 8 <= file.size(); ++box) {
     std::uint64_t length = file.big_endian(at, 4);
     const std::string type = file.at(at + 4, 4);
-    if (found.width > 0 && !is_name(type)) break;  // what a program has put behind the last box
+    if (found.width > 0 && !is_name(type)) break;  // data that a program appended after the last box
     std::uint64_t header_bytes = 8;
     if (length == 1) length = file.big_endian(at + 8, 8), header_bytes = 16;
     if (length == 0) length = file.size() - at;
@@ -120,8 +120,8 @@ HeifCrop heif_crop(PictureBytes& file, int named_width, int named_height) {
       const HeifBox& property = properties[index - 1];
       if (property.type == "clap") crop_box = property.body;
       size_named = size_named || property.type == "ispe";
-      // libheif up to 1.15 writes turns before the size, which then is that of the turned picture; the standard has
-      // them behind it.
+      // libheif up to 1.15 writes rotations before the size, which then is that of the rotated picture. In the standard
+      // they follow it.
       turned_size = turned_size || (property.type == "irot" && !size_named && (heif_number(property.body, 0, 1) & 1U));
     }
   }
@@ -131,7 +131,7 @@ HeifCrop heif_crop(PictureBytes& file, int named_width, int named_height) {
   std::array<double, 8> v{};
   for (std::size_t j = 0; j < v.size(); ++j) v[j] = static_cast<std::int32_t>(heif_number(crop_box, 4 * j, 4));
   if (!(v[1] > 0 && v[3] > 0 && v[5] > 0 && v[7] > 0)) file.broken("its crop is none");
-  const double width = v[0] / v[1], height = v[2] / v[3];  // 14496-12, 12.1.4.1: the rest is of its middle
+  const double width = v[0] / v[1], height = v[2] / v[3];  // 14496-12, 12.1.4.1: the other values give its middle
   const double left = v[4] / v[5] + (whole.width - width) / 2, top = v[6] / v[7] + (whole.height - height) / 2;
   if (!(left >= 0 && top >= 0 && width >= 1 && height >= 1 && left + width <= whole.width &&
         top + height <= whole.height))

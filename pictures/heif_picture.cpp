@@ -27,9 +27,8 @@ struct Free {
   void operator()(heif_decoding_options* options) const { heif_decoding_options_free(options); }
 };
 
-/// EXIF as HEIF holds it, from its TIFF header on: four bytes say how many come before that (ISO 23008-12, annex
-/// A.2.1), and where they say nothing sensible, as libheif 1.15 writes them for OpenImageIO's EXIF, it stands behind
-/// "Exif\0\0".
+/// EXIF of a HEIF, from its TIFF header on. Four bytes hold the number of bytes before the header (ISO 23008-12, annex
+/// A.2.1). If they are invalid, as libheif 1.15 writes them for OpenImageIO's EXIF, the header follows "Exif\0\0".
 std::string exif_of(const heif_image_handle* handle) {
   constexpr std::size_t kPlaceBytes = 4, kNameBytes = 6;
   heif_item_id id = 0;
@@ -47,7 +46,7 @@ std::string exif_of(const heif_image_handle* handle) {
   return {};
 }
 
-/// The colors that the container states (burin/pictures/file_colors.h): OpenImageIO's names of them.
+/// Declares the container's colors (burin/pictures/file_colors.h) under OpenImageIO's names.
 void state_colors(const heif_image_handle* handle, OIIO::ImageSpec& spec) {
   if (const std::size_t bytes = heif_image_handle_get_raw_color_profile_size(handle); bytes > 0) {
     std::vector<std::uint8_t> profile(bytes);
@@ -63,7 +62,7 @@ void state_colors(const heif_image_handle* handle, OIIO::ImageSpec& spec) {
   }
 }
 
-/// Whether an auxiliary picture is a gain map: Apple's type, or ISO 21496-1's.
+/// Whether an auxiliary picture is a gain map, of Apple's type or of ISO 21496-1's.
 bool carries_gain_map(const heif_image_handle* handle) {
   const int count = heif_image_handle_get_number_of_auxiliary_images(
       handle, LIBHEIF_AUX_IMAGE_FILTER_OMIT_ALPHA | LIBHEIF_AUX_IMAGE_FILTER_OMIT_DEPTH);
@@ -91,7 +90,7 @@ bool carries_gain_map(const heif_image_handle* handle) {
 class HeifInput final : public OIIO::ImageInput {
  public:
   explicit HeifInput(bool as_the_sensor) : as_the_sensor_(as_the_sensor) {
-    static const heif_error ready = heif_init(nullptr);  // decoders that are plug-ins are loaded by it
+    static const heif_error ready = heif_init(nullptr);  // loads decoders that are plug-ins
     (void)ready;
     use_hevc_decoder();
   }
@@ -117,7 +116,7 @@ class HeifInput final : public OIIO::ImageInput {
       OIIO::decode_exif(OIIO::string_view(exif.data(), exif.size()), m_spec);
     state_colors(handle, m_spec);
     if (carries_gain_map(handle)) m_spec.attribute("heif:GainMap", 1);
-    if (!as_the_sensor_) m_spec.attribute("Orientation", 1);  // whatever the camera noted, what is read is turned
+    if (!as_the_sensor_) m_spec.attribute("Orientation", 1);  // pixels are upright, for any orientation in EXIF
     spec = m_spec;
     return true;
   }
@@ -151,14 +150,14 @@ class HeifInput final : public OIIO::ImageInput {
  private:
   bool succeeded(const heif_error& error) {
     if (error.code == heif_error_Ok) return true;
-    // libheif puts what kind of error it is before a decoder's own words.
+    // libheif puts the kind of error before a decoder's own message.
     const std::string_view words = error.message;
     const std::size_t own = error.code == heif_error_Decoder_plugin_error ? words.rfind(": ") : std::string_view::npos;
     errorfmt("{}", std::string(own == std::string_view::npos ? words : words.substr(own + 2)));
     return false;
   }
 
-  /// The part of the coded picture that is not filling.
+  /// Finds the part of the coded picture without padding.
   bool find_crop(const std::string& name) {
     const int width = heif_image_handle_get_ispe_width(handle_.get()),
               height = heif_image_handle_get_ispe_height(handle_.get());
@@ -199,7 +198,7 @@ class HeifInput final : public OIIO::ImageInput {
   HeifCrop crop_;
   std::unique_ptr<heif_context, Free> context_;
   std::unique_ptr<heif_image_handle, Free> handle_;
-  std::unique_ptr<heif_image, Free> image_;  // empty until a row is read
+  std::unique_ptr<heif_image, Free> image_;  // empty before the first row is read
 };
 
 }  // namespace

@@ -36,8 +36,8 @@ heif_error new_hevc_decoder(void** decoder) {
 
 void free_hevc_decoder(void* decoder) { de265_free_decoder(decoder); }
 
-/// Why a unit (NAL, ITU-T H.265, 7.3.1) cannot be whole: none ends in zeros, and none has three in a row, as their
-/// place is kept for the start of the next one (7.4.2.1). Null where nothing speaks against it.
+/// Reason why a unit (NAL, ITU-T H.265, 7.3.1) is damaged, or null. A valid unit does not end in zeros and has no three
+/// zeros in a row, because these mark the start of the next unit (7.4.2.1).
 const char* fault_of_unit(std::string_view unit) {
   if (unit.size() < 2 || unit.back() == '\0') return "a unit of it ends in zeros";
   for (std::size_t i = unit.find("\0\0"sv); i != std::string_view::npos && i + 2 < unit.size();
@@ -46,7 +46,7 @@ const char* fault_of_unit(std::string_view unit) {
   return nullptr;
 }
 
-/// Units, each behind its length.
+/// Pushes units, each preceded by its length.
 heif_error push_units(void* decoder, const void* data, std::size_t size) {
   constexpr std::size_t kLength = 4;
   const std::string_view bytes(static_cast<const char*>(data), size);
@@ -94,8 +94,8 @@ heif_error copied_image(const de265_image* from, heif_image** out) {
                   row_bytes);
   }
   if (error.code != heif_error_Ok) return error;
-  // How its values become red, green and blue, unless the container says it; codes that libheif does not know stay
-  // open.
+  // The conversion of its values to red, green and blue, which the container may override. Codes unknown to libheif
+  // stay unset.
   const std::unique_ptr<heif_color_profile_nclx, FreeHevc> colors(heif_nclx_color_profile_alloc());
   heif_nclx_color_profile_set_color_primaries(colors.get(),
                                               static_cast<std::uint16_t>(de265_get_image_colour_primaries(from)));
@@ -137,7 +137,7 @@ void use_hevc_decoder() {
     plugin.free_decoder = free_hevc_decoder;
     plugin.push_data = push_units;
     plugin.decode_image = decode_hevc;
-#if LIBHEIF_NUMERIC_VERSION >= ((1 << 24) | (21 << 16))  // takes no plug-in of an older form
+#if LIBHEIF_NUMERIC_VERSION >= ((1 << 24) | (21 << 16))  // rejects plug-ins of an older API
     plugin.plugin_api_version = 5;
     plugin.id_name = "burin";
     plugin.does_support_format2 = [](const heif_decoder_plugin_compressed_format_description* wanted) {
@@ -147,7 +147,7 @@ void use_hevc_decoder() {
     plugin.push_data2 = [](void* decoder, const void* data, std::size_t size, std::uintptr_t) {
       return push_units(decoder, data, size);
     };
-    plugin.flush_data = [](void*) { return kHeifOk; };  // decode_hevc() does it
+    plugin.flush_data = [](void*) { return kHeifOk; };  // decode_hevc() flushes
     plugin.decode_next_image2 = [](void* decoder, heif_image** out, std::uintptr_t*, const heif_security_limits*) {
       return decode_hevc(decoder, out);
     };

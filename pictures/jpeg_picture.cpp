@@ -13,7 +13,7 @@
 #include <string_view>
 #include <vector>
 
-// libjpeg's header leaves these to who includes it.
+// libjpeg's header does not include the headers that it needs.
 #include <jpeglib.h>
 
 #include <jerror.h>
@@ -25,15 +25,15 @@ namespace {
 
 using namespace std::string_view_literals;
 
-/// libjpeg's state with what its callbacks fill. Plain, so that libjpeg may jump over it.
+/// libjpeg's state with the results of its callbacks. A plain struct, because libjpeg's longjmp skips destructors.
 struct JpegDecoder {
   jpeg_decompress_struct info{};
   jpeg_error_mgr errors{};
   jpeg_progress_mgr progress{};
   std::jmp_buf back{};
-  bool scanning = false;                       // beyond its header
-  std::array<char, JMSG_LENGTH_MAX> fault{};   // why nothing more can be read
-  std::array<char, JMSG_LENGTH_MAX> damage{};  // the first warning that means damage
+  bool scanning = false;                       // after the header
+  std::array<char, JMSG_LENGTH_MAX> fault{};   // reason why no further data can be read
+  std::array<char, JMSG_LENGTH_MAX> damage{};  // first warning of damage
 };
 
 JpegDecoder& decoder_of(j_common_ptr info) { return *static_cast<JpegDecoder*>(info->client_data); }
@@ -44,9 +44,9 @@ JpegDecoder& decoder_of(j_common_ptr info) { return *static_cast<JpegDecoder*>(i
   std::longjmp(decoder.back, 1);
 }
 
-/// Called for warnings (level below 0) and for what libjpeg does; those of the header touch no pixel. A scan's last
-/// bits are read some bytes ahead, so that a few bytes too many are no sign of damage; more are what is left where
-/// codes were misread.
+/// libjpeg calls it for warnings (level below 0) and for trace messages. Warnings in the header affect no pixel. The
+/// decoder reads the last bits of a scan some bytes ahead, so a few extra bytes are no sign of damage. More extra bytes
+/// remain after misread codes.
 void hear_warning(j_common_ptr info, int level) {
   constexpr int kFewBytes = 8;
   JpegDecoder& decoder = decoder_of(info);
@@ -57,7 +57,8 @@ void hear_warning(j_common_ptr info, int level) {
   if (decoder.damage[0] == '\0') info->err->format_message(info, decoder.damage.data());
 }
 
-/// Each scan of a progressive picture goes over all of it, and a file of a few kilobytes may have thousands.
+/// Limits the number of scans. Each scan of a progressive picture covers all of it, and a file of a few kilobytes may
+/// have thousands.
 void count_scans(j_common_ptr info) {
   const auto* jpeg = reinterpret_cast<j_decompress_ptr>(info);
   const double pixels = 1.0 * jpeg->image_width * jpeg->image_height;
@@ -70,7 +71,7 @@ void count_scans(j_common_ptr info) {
   std::longjmp(decoder.back, 1);
 }
 
-/// Whether all coefficients of all components came in some scan, to their last bit.
+/// Whether the scans contain all coefficients of all components, to their last bit.
 bool has_all_scans(const jpeg_decompress_struct& info) {
   for (int c = 0; c < info.num_components; ++c) {
     if (info.comp_info[c].quant_table == nullptr) return false;
@@ -80,7 +81,7 @@ bool has_all_scans(const jpeg_decompress_struct& info) {
   return true;
 }
 
-/// Ink as OpenImageIO mixes it; JPEG stores 255 for none.
+/// Converts inks as OpenImageIO does; JPEG stores 255 for no ink.
 void cmyk_to_rgb(const JSAMPLE* cmyk, int pixels, std::uint8_t* rgb) {
   for (int i = 0; i < pixels; ++i, cmyk += 4, rgb += 3)
     for (int c = 0; c < 3; ++c)
@@ -126,7 +127,7 @@ class JpegInput final : public OIIO::ImageInput {
       errorfmt("it has {} values a pixel, of {} bits", info.num_components, info.data_precision);
       return false;
     }
-    if (info.arith_code) {  // whose last bytes may be left out, so that no decoder knows what was cut off
+    if (info.arith_code) {  // its last bytes may be missing, so no decoder detects a truncated file
       errorfmt("it is coded arithmetically");
       return false;
     }
@@ -178,8 +179,7 @@ class JpegInput final : public OIIO::ImageInput {
     void operator()(std::FILE* file) const { std::fclose(file); }
   };
 
-  /// Calls into libjpeg, which comes back here where it cannot go on: no object that has a destructor may be made
-  /// within.
+  /// Runs calls into libjpeg, whose errors jump back here. The calls must not create objects with destructors.
   template <typename Calls>
   bool guarded(const Calls& calls) {
     if (setjmp(decoder_->back) != 0) {
@@ -190,7 +190,7 @@ class JpegInput final : public OIIO::ImageInput {
     return true;
   }
 
-  /// A progressive picture is decoded here, all of it.
+  /// Starts decoding; decodes the whole of a progressive picture.
   bool started() {
     jpeg_decompress_struct& info = decoder_->info;
     return guarded([&] {
@@ -217,7 +217,7 @@ class JpegInput final : public OIIO::ImageInput {
     }
     if (!xmp.empty()) OIIO::decode_xmp(OIIO::string_view(xmp.data(), xmp.size()), m_spec);
     if (!exif.empty())
-      OIIO::decode_exif(OIIO::string_view(exif.data(), exif.size()), m_spec);  // which counts before XMP
+      OIIO::decode_exif(OIIO::string_view(exif.data(), exif.size()), m_spec);  // EXIF has precedence over XMP
     JOCTET* profile = nullptr;
     unsigned bytes = 0;
     if (guarded([&] { jpeg_read_icc_profile(&decoder_->info, &profile, &bytes); }) && profile != nullptr) {
@@ -225,7 +225,7 @@ class JpegInput final : public OIIO::ImageInput {
       std::string ignored;
       OIIO::decode_icc_profile(OIIO::cspan<std::uint8_t>(profile, static_cast<int>(bytes)), m_spec, ignored);
     }
-    std::free(profile);  // libjpeg's, by malloc
+    std::free(profile);  // allocated by libjpeg with malloc
   }
 
   std::unique_ptr<std::FILE, Close> file_;

@@ -12,10 +12,11 @@
 namespace burin {
 namespace {
 
-// A side of a huge picture in color, which would take six times the memory of its luminance.
+// Side of a huge picture in color, which needs six times the memory of its luminance.
 constexpr int kMostColored_px = 4096;
 
-/// Reads a picture, averaging huge ones over squares of what `decode` makes of each value, given whether it is linear.
+/// Reads a picture and averages huge ones over squares of decoded values. `decode` converts each value; its argument is
+/// whether the picture is linear.
 template <typename Decode>
 Image read_in_squares(UprightPicture picture, const std::filesystem::path& file, int longest_px, int& width,
                       int& height, const Decode& decode) {
@@ -25,7 +26,7 @@ Image read_in_squares(UprightPicture picture, const std::filesystem::path& file,
   const int square = static_cast<std::int64_t>(width) * height <= kLargePixels
                          ? 1
                          : std::max(1, std::max(width, height) / std::max(1, longest_px));
-  // What is left over at the right and at the bottom is less than a square.
+  // The remainder at the right and at the bottom is smaller than a square.
   Image image(std::max(1, width / square), std::max(1, height / square), picture.channels);
   const float share = 1.0f / (static_cast<float>(square) * static_cast<float>(square));
   for_each_pixel(picture, file, [&](int x, int y, const std::array<float, 3>& values) {

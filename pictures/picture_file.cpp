@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 
 std::int64_t side_of(const PictureLimits& limits) { return limits.photo ? limit::kPhotoSide : limit::kPictureSide; }
 
-/// What the library says of it, which may differ from what we read of its header.
+/// Checks the library's values, which may differ from our reading of the header.
 void require_usable(const OIIO::ImageSpec& spec, const fs::path& file, const PictureLimits& limits) {
   const std::string name = file.string();
   if (spec.width < 1 || spec.height < 1 || spec.depth > 1 || spec.nchannels < 1 || spec.deep)
@@ -43,7 +43,7 @@ std::unique_ptr<OIIO::ImageInput> opened(const std::string& kind, const fs::path
   OIIO::attribute("threads", thread_count());
   OIIO::ImageSpec spec;
   if (input && input->open(file.string(), spec, config)) {
-    input->geterror();  // it could go on
+    input->geterror();  // discards the error, because reading could continue
     return input;
   }
   why = input ? input->geterror() : OIIO::geterror();
@@ -62,7 +62,7 @@ std::unique_ptr<OIIO::ImageInput> open_picture(const fs::path& file, const Pictu
   require_picture_size(header.width, header.height, limits.pixels, file.string(), limits.kind, side_of(limits));
   std::string why;
   std::unique_ptr<OIIO::ImageInput> input = opened(header.kind, file, limits.photo, config, why);
-  if (!input && raw) {  // a plain TIFF under a raw file's name
+  if (!input && raw) {  // a plain TIFF with a raw file's name
     std::string ignored;
     input = opened("tiff", file, limits.photo, config, ignored);
   }

@@ -1,5 +1,5 @@
-// The sizes that pictures say they have, read by hand: a few fixed places, or a walk over sections whose lengths are
-// held against the file's. Nothing is taken for granted, and nothing is decoded.
+// Declared sizes of pictures, parsed by hand: a few fixed offsets, or a walk over sections whose lengths are compared
+// with the file's. The parser assumes nothing and decodes nothing.
 #include "burin/pictures/picture_header.h"
 
 #include <zlib.h>
@@ -25,7 +25,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Two sizes in one file: the larger counts.
+/// Of two sizes in one file, the larger counts.
 void take(PictureHeader& header, std::int64_t width, std::int64_t height) {
   if (width <= 0 || height <= 0) return;
   if (static_cast<double>(width) * static_cast<double>(height) >
@@ -37,14 +37,14 @@ void take(PictureHeader& header, std::int64_t width, std::int64_t height) {
 
 std::int64_t as_signed(std::uint64_t v) { return static_cast<std::int32_t>(static_cast<std::uint32_t>(v)); }
 
-// Segments up to the frame's (ITU T.81, B.2.2).
+// Segments up to the frame (ITU T.81, B.2.2).
 void jpeg_size(PictureBytes& file, PictureHeader& header) {
   constexpr int kMostSegments = 10'000;
   std::uintmax_t at = 2;
   for (int segment = 0; segment < kMostSegments; ++segment) {
     if (file.big_endian(at, 1) != 0xFF) file.broken("a marker is missing");
     const auto marker = file.big_endian(at + 1, 1);
-    if (marker == 0xFF) {  // filling
+    if (marker == 0xFF) {  // fill byte
       ++at;
       continue;
     }
@@ -64,7 +64,7 @@ void jpeg_size(PictureBytes& file, PictureHeader& header) {
   file.broken("its segments do not end");
 }
 
-/// Whether the first bytes are those of a camera's raw file, but for those that begin as a TIFF does.
+/// Whether the first bytes are those of a camera's raw file, except raw files that begin as a TIFF.
 bool is_raw_head(std::string_view head) {
   using namespace std::string_view_literals;
   for (const std::string_view raw : {"FUJIFILMCCD-RAW"sv, "IIU\0"sv, "IIRO"sv, "IIRS"sv, "MMOR"sv, "FOVb"sv, "\0MRM"sv})
@@ -73,9 +73,8 @@ bool is_raw_head(std::string_view head) {
          (head.size() >= 12 && head.substr(4, 8) == "ftypcrx "sv);
 }
 
-/// Whether a file that begins as a TIFF does is a camera's raw file: by what its directories hold, by what stands
-/// behind its first bytes (Canon, Phase One), or, where these leave it open, by its name: the maker's own ways of
-/// storing what the sensor measured have no mark in common.
+/// Whether a file that begins as a TIFF is a camera's raw file. Its directories or the bytes after its header (Canon,
+/// Phase One) decide. Otherwise its name decides, because the makers' formats have no common mark.
 bool is_raw_tiff(std::string_view head, const std::vector<TiffDirectory>& directories, const fs::path& file) {
   const std::string_view mark = head.size() >= 12 ? head.substr(8, 4) : std::string_view();
   return mark.starts_with("CR") || mark == "IIII" || mark == "MMMM" ||
@@ -84,7 +83,7 @@ bool is_raw_tiff(std::string_view head, const std::vector<TiffDirectory>& direct
          has_raw_name(file);
 }
 
-/// The library that reads raw files cannot unpack it.
+/// Refuses JPEG XL, which the library for raw files cannot unpack.
 void refuse_jpeg_xl(const std::vector<TiffDirectory>& directories, const std::string& name) {
   constexpr std::int64_t kJpegXl = 52546;  // DNG 1.7
   if (std::any_of(directories.begin(), directories.end(),
@@ -103,8 +102,8 @@ void tiff_size(PictureBytes& file, PictureHeader& header) {
   if (!directories.empty()) require_parts_within(file, directories.front());
 }
 
-/// Whether an EXR's attribute has the bytes that its type has. OpenEXR reads by the type and passes over the length
-/// that is said, so that a wrong one moves all that follows.
+/// Whether the length of an EXR's attribute matches its type. OpenEXR reads by type and ignores the declared length, so
+/// a wrong one displaces all following data.
 bool is_as_long_as_its_type(std::string_view type, std::string_view value) {
   struct Fixed {
     std::string_view type;
@@ -185,7 +184,7 @@ void exr_size(PictureBytes& file, PictureHeader& header) {
   }
 }
 
-/// "-Y 480 +X 640" behind the first empty line: whichever stands first runs slower.
+/// "-Y 480 +X 640" after the first empty line: the first number belongs to the slower axis.
 void hdr_size(PictureBytes& file, PictureHeader& header) {
   const std::string head = file.up_to(0, 64 * limit::kKiB);
   const std::size_t blank = head.find("\n\n");
@@ -202,7 +201,7 @@ void heif_size(PictureBytes& file, PictureHeader& header) {
   header.moves = boxes.moves;
 }
 
-/// EXIF from its TIFF header on; nothing if none stands there. Some writers keep JPEG's name before it.
+/// EXIF from its TIFF header on; empty if there is none. Some writers keep JPEG's name before it.
 std::string exif_within(std::string_view bytes) {
   using namespace std::string_view_literals;
   if (bytes.starts_with("Exif\0\0"sv)) bytes.remove_prefix(6);
@@ -210,7 +209,7 @@ std::string exif_within(std::string_view bytes) {
 }
 
 /// EXIF as programs wrote it before PNG had a chunk for it: a text "Raw profile type exif" (or APP1) of hexadecimal
-/// numbers, behind a line with its name and one with its length.
+/// numbers, after a line with its name and one with its length.
 std::string exif_of_raw_profile(std::string_view chunk, bool packed) {
   using namespace std::string_view_literals;
   constexpr std::string_view kExif = "Raw profile type exif\0"sv, kApp1 = "Raw profile type APP1\0"sv;
@@ -218,7 +217,7 @@ std::string exif_of_raw_profile(std::string_view chunk, bool packed) {
   chunk.remove_prefix(kExif.size());
   std::string text(chunk);
   if (packed) {
-    if (chunk.empty() || chunk[0] != '\0') return {};  // deflate is the only way to pack
+    if (chunk.empty() || chunk[0] != '\0') return {};  // deflate is the only compression
     text.resize(limit::kMiB);
     uLongf length = static_cast<uLongf>(text.size());
     if (uncompress(reinterpret_cast<Bytef*>(text.data()), &length, reinterpret_cast<const Bytef*>(chunk.data() + 1),
@@ -240,7 +239,7 @@ std::string exif_of_raw_profile(std::string_view chunk, bool packed) {
   return exif_within(bytes);
 }
 
-/// Sizes; and EXIF, which stands in a chunk behind the pixels (WebP container specification).
+/// Sizes, and EXIF from a chunk after the pixels (WebP container specification).
 void webp_size(PictureBytes& file, PictureHeader& header) {
   const std::string kind = file.at(12, 4);
   const auto v = [&](std::uintmax_t at, int bytes) { return static_cast<std::int64_t>(file.little_endian(at, bytes)); };
@@ -282,14 +281,14 @@ void pnm_size(PictureBytes& file, PictureHeader& header) {
 }
 
 struct Kind {
-  const char* name;  // OpenImageIO's
+  const char* name;  // OpenImageIO's name
   void (*size)(PictureBytes&, PictureHeader&);
 };
 
-// Chunks (PNG 1.2, 3.2) up to the last one: name, place of its content, length.
+// Chunks (PNG 1.2, 3.2) up to the last one: name, offset of its content, length.
 template <typename Look>
 void each_png_chunk(PictureBytes& file, const Look& look) {
-  constexpr std::uintmax_t kFrame = 12;  // length and name before, checksum behind
+  constexpr std::uintmax_t kFrame = 12;  // length and name before, checksum after
   constexpr int kMostChunks = 2'000'000;
   std::uintmax_t at = 8;
   for (int chunk = 0; at + kFrame <= file.size(); ++chunk) {
@@ -302,8 +301,8 @@ void each_png_chunk(PictureBytes& file, const Look& look) {
   }
 }
 
-// libpng takes memory for a whole note, however long it says that it is. Pixels come piece by piece; EXIF may stand
-// behind them, of which OpenImageIO 2.4 reads nothing.
+// libpng allocates the declared length of a note as a whole, for any length. Pixels come piece by piece. EXIF may
+// follow them, where OpenImageIO 2.4 ignores it.
 void png_size(PictureBytes& file, PictureHeader& header) {
   take(header, static_cast<std::int64_t>(file.big_endian(16, 4)), static_cast<std::int64_t>(file.big_endian(20, 4)));
   each_png_chunk(file, [&](const std::string& name, std::uintmax_t place, std::uintmax_t length) {
@@ -317,7 +316,7 @@ void png_size(PictureBytes& file, PictureHeader& header) {
   });
 }
 
-/// Size; and whether a second picture follows the first (GIF89a, 18 to 23).
+/// Size, and whether a second picture follows the first (GIF89a, 18 to 23).
 void gif_size(PictureBytes& file, PictureHeader& header) {
   take(header, static_cast<std::int64_t>(file.little_endian(6, 2)),
        static_cast<std::int64_t>(file.little_endian(8, 2)));
@@ -338,9 +337,9 @@ void gif_size(PictureBytes& file, PictureHeader& header) {
   }
 }
 
-/// LibRaw 0.20 and 0.21 put a Hasselblad's model together from several notes, and write past its place where these are
-/// long or have no end. A camera is one to them if its maker's note has that word, in whatever case. Files built as a
-/// TIFF have directories that name the maker; of others the word anywhere counts.
+/// Refuses Hasselblad's raw files. LibRaw 0.20 and 0.21 assemble a Hasselblad's model from several notes, and write out
+/// of bounds if these are long or unterminated. LibRaw detects the camera by this word in its maker's note, in any
+/// case. Files with TIFF directories name the maker there; in others the word anywhere counts.
 void refuse_hasselblad(PictureBytes& file, const std::vector<TiffDirectory>& directories, const std::string& name) {
   constexpr std::string_view kMaker = "hasselblad";
   constexpr std::uintmax_t kPiece = limit::kMiB;
@@ -360,14 +359,14 @@ void refuse_hasselblad(PictureBytes& file, const std::vector<TiffDirectory>& dir
          "export it as a TIFF of 16 bits, linear, with the program that came with the camera");
 }
 
-/// Whether a file of boxes ("ftyp", ISO/IEC 14496-12, 4.3) holds pictures: films are built like it.
+/// Whether a file of boxes ("ftyp", ISO/IEC 14496-12, 4.3) holds pictures; video files have the same structure.
 bool is_heif_head(std::string_view head) {
   using namespace std::string_view_literals;
   if (head.size() < 12 || head.substr(4, 4) != "ftyp"sv) return false;
   constexpr std::array<std::string_view, 12> kBrands{"heic", "heix", "heim", "heis", "hevc", "hevx",
                                                      "mif1", "mif2", "msf1", "avif", "avis", "miaf"};
   const std::size_t length = std::min<std::size_t>(static_cast<unsigned char>(head[3]), head.size());
-  for (std::size_t at = 8; at + 4 <= length; at += at == 8 ? 8 : 4)  // the version is passed over
+  for (std::size_t at = 8; at + 4 <= length; at += at == 8 ? 8 : 4)  // skips the version
     if (std::find(kBrands.begin(), kBrands.end(), head.substr(at, 4)) != kBrands.end()) return true;
   return false;
 }
@@ -380,14 +379,14 @@ bool is_pnm_head(std::string_view head) {
   return at > 2 && at < head.size() && (head[at] == '#' || std::isdigit(static_cast<unsigned char>(head[at])));
 }
 
-/// "BM", and a header of one of the lengths that there are.
+/// "BM", and a header of one of the defined lengths.
 bool is_bmp_head(std::string_view head) {
   constexpr std::string_view kLengths = "\x0c\x10\x28\x34\x38\x40\x6c\x7c";
   return head.starts_with("BM") && head.size() >= 18 && kLengths.find(head[14]) != std::string_view::npos &&
          head[15] == '\0' && head[16] == '\0' && head[17] == '\0';
 }
 
-/// What a file's first bytes say that it is; nothing for what is none of ours.
+/// Kind of a file by its first bytes; empty for an unsupported one.
 Kind kind_of(std::string_view head) {
   using namespace std::string_view_literals;
   if (head.starts_with("\x89PNG\r\n\x1a\n"sv)) return {"png", png_size};
@@ -405,7 +404,7 @@ Kind kind_of(std::string_view head) {
   return {"", nullptr};
 }
 
-/// Programs' files that people take for pictures, by their first bytes: what they are, and what helps.
+/// Files of programs that people mistake for pictures, by their first bytes: name and remedy.
 std::pair<std::string, std::string> other_kind(std::string_view head) {
   using namespace std::string_view_literals;
   constexpr const char* kExport = "export it as PNG";
@@ -443,7 +442,7 @@ std::string picture_kind(const fs::path& file) {
     if (has_raw_name(file)) return "raw";
     PictureBytes bytes(file, require_plain_file(file, limit::kPictureBytes, "a picture"));
     return is_raw_tiff(head, read_tiff_directories(bytes), file) ? "raw" : "tiff";
-  } catch (const Error&) {  // said where it is read
+  } catch (const Error&) {  // the reader reports it
     return kind;
   }
 }
@@ -480,7 +479,7 @@ PictureHeader read_picture_header(const fs::path& file) {
 
 namespace {
 
-// libpng writes a line of its own to standard error before it gives up.
+// libpng prints its own line to standard error before it fails.
 void require_whole_png(PictureBytes& bytes) {
   each_png_chunk(bytes, [&](const std::string& name, std::uintmax_t place, std::uintmax_t length) {
     if (name != "IDAT") return;

@@ -16,13 +16,13 @@ namespace {
 constexpr std::int64_t kNone = 1, kLzw = 5, kAdobeDeflate = 8, kDeflate = 32946, kPackBits = 32773;
 constexpr std::int64_t kYCbCr = 6;
 
-/// How a TIFF counts: byte order, and words of 4 bytes or, in a BigTIFF, of 8.
+/// Encoding of a TIFF: byte order, and words of 4 bytes or, in a BigTIFF, of 8.
 struct TiffOrder {
   bool big = false, large = false;
   int word() const { return large ? 8 : 4; }
 };
 
-/// An entry's values, one by one (bytes, shorts, longs), as many as `most`.
+/// An entry's values, one by one (bytes, shorts, longs), at most `most`.
 std::vector<std::uint64_t> values_of(PictureBytes& file, const TiffOrder& order, std::uint64_t entry,
                                      std::uint64_t most) {
   const auto type = file.number(entry + 2, 2, order.big);
@@ -119,17 +119,17 @@ void require_sensible_parts(const PictureBytes& file, const TiffDirectory& d) {
       (d.tile_width > (1 << 16) || d.tile_height > (1 << 16) ||
        d.tile_width * d.tile_height * d.samples * 8 > limit::kTileBytes))
     file.broken("its tiles are of " + std::to_string(d.tile_width) + " x " + std::to_string(d.tile_height) + " pixels");
-  // Strips may be higher than the picture, and 2^32 - 1 is what a writer says that thinks of none; OpenImageIO takes
-  // memory for whatever a signed number holds.
+  // Strips may be higher than the picture, and 2^32 - 1 means no strips. OpenImageIO allocates memory for any number
+  // that fits into a signed integer.
   if (d.rows_per_strip > d.height && d.rows_per_strip <= std::numeric_limits<std::int32_t>::max() &&
       d.rows_per_strip > limit::kTileBytes / (8 * std::max<std::int64_t>(1, d.width * d.samples)))
     file.broken("its strips are of " + std::to_string(d.width) + " x " + std::to_string(d.rows_per_strip) + " pixels");
 }
 
-/// How a directory's pixels are cut into parts.
+/// Division of a directory's pixels into parts.
 struct TiffParts {
   std::int64_t across = 1, down = 1, planes = 1;
-  std::int64_t width = 0, height = 0;  ///< of one, in pixels
+  std::int64_t width = 0, height = 0;  ///< of one part, in pixels
   std::uint64_t count() const { return static_cast<std::uint64_t>(across * down * planes); }
 };
 
@@ -145,7 +145,7 @@ TiffParts tiff_parts_of(const TiffDirectory& d) {
   return parts;
 }
 
-/// The bytes of a part's pixels, not packed. The last strip is as high as what is left.
+/// The bytes of a part's pixels, unpacked. The last strip has the remaining height.
 std::uint64_t unpacked_bytes(const TiffDirectory& d, const TiffParts& parts, std::uint64_t part) {
   std::int64_t rows = parts.height;
   if (d.tile_width == 0) {
@@ -156,8 +156,8 @@ std::uint64_t unpacked_bytes(const TiffDirectory& d, const TiffParts& parts, std
   return static_cast<std::uint64_t>(rows) * static_cast<std::uint64_t>((row_bits + 7) / 8);
 }
 
-/// How many bytes a part of LZW unpacks to (TIFF 6.0, section 13): of each code its length is kept alone. Nothing
-/// where a code stands that cannot be there.
+/// Unpacked bytes of an LZW part (TIFF 6.0, section 13); stores only the length of each code. Empty for an impossible
+/// code.
 std::optional<std::uint64_t> lzw_bytes(std::string_view packed) {
   constexpr std::uint32_t kClear = 256, kEnd = 257, kFirst = 258, kMost = 4096;
   std::array<std::uint64_t, kMost> length{};
@@ -191,7 +191,7 @@ std::optional<std::uint64_t> lzw_bytes(std::string_view packed) {
   return out;
 }
 
-/// The same for PackBits (section 9), whose last bytes may be filling.
+/// Unpacked bytes of a PackBits part (section 9), whose last bytes may be padding.
 std::optional<std::uint64_t> packbits_bytes(std::string_view packed, std::uint64_t wanted) {
   constexpr std::size_t kFilling = 3;
   std::uint64_t out = 0;
@@ -207,7 +207,7 @@ std::optional<std::uint64_t> packbits_bytes(std::string_view packed, std::uint64
   return out;
 }
 
-/// The same for Deflate, whose checksum must be right.
+/// Unpacked bytes of a Deflate part with a valid checksum.
 std::optional<std::uint64_t> deflate_bytes(const std::string& packed) {
   z_stream stream{};
   if (inflateInit(&stream) != Z_OK) return std::nullopt;
@@ -240,7 +240,7 @@ std::vector<TiffDirectory> read_tiff_directories(PictureBytes& file) {
   for (std::size_t i = 0; i < wanted.size() && found.size() < kMostDirectories; ++i) {
     const std::uint64_t at = wanted[i];
     if (at == 0 || !seen.insert(at).second) continue;
-    const bool notes = exif.contains(at);  // where programs left a place that is none, pixels are whole all the same
+    const bool notes = exif.contains(at);  // an invalid offset from a program leaves the pixels intact
     if (notes && (at > file.size() || head > file.size() - at)) continue;
     const std::uint64_t count = file.number(at, static_cast<int>(head), big), first = at + head;
     if (count > kMostEntries || first + count * entry_bytes > file.size()) {
@@ -261,13 +261,13 @@ std::vector<TiffDirectory> read_tiff_directories(PictureBytes& file) {
 }
 
 void require_parts_within(PictureBytes& file, const TiffDirectory& d) {
-  constexpr std::int64_t kOldJpeg = 6;  // may have none: all lies in one stream
+  constexpr std::int64_t kOldJpeg = 6;  // may have none, because all data is in one stream
   if (d.width <= 0 || d.height <= 0 || d.compression == kOldJpeg) return;
   const TiffParts parts = tiff_parts_of(d);
   if (d.place.size() < parts.count())
     file.cut_short("it has " + std::to_string(d.place.size()) + " of its " + std::to_string(parts.count()) + " parts");
   for (std::size_t i = 0; i < parts.count(); ++i) {
-    // Writers that do not pack are known to count wrongly; their pixels are as many as they are.
+    // Writers without compression are known to store wrong counts; the pixels' size is known.
     const std::uint64_t bytes = d.compression == kNone && d.photometric != kYCbCr ? unpacked_bytes(d, parts, i)
                                 : i < d.bytes.size()                              ? d.bytes[i]
                                                                                   : 1;
@@ -284,13 +284,13 @@ void require_parts_unpack(PictureBytes& file, const TiffDirectory& d) {
   const TiffParts parts = tiff_parts_of(d);
   for (std::size_t i = 0; i < std::min<std::size_t>(parts.count(), d.place.size()); ++i) {
     const std::string bytes = file.at(d.place[i], i < d.bytes.size() ? d.bytes[i] : file.size() - d.place[i]);
-    // LZW of before TIFF 5 counts its bits the other way round.
+    // LZW before TIFF 5 has the reverse bit order.
     if (d.compression == kLzw && bytes.size() > 1 && bytes[0] == '\0' && (bytes[1] & 1) != 0) return;
     const std::uint64_t wanted = unpacked_bytes(d, parts, i);
     const auto got = d.compression == kLzw        ? lzw_bytes(bytes)
                      : d.compression == kPackBits ? packbits_bytes(bytes, wanted)
                                                   : deflate_bytes(bytes);
-    // Some writers fill the last strip up.
+    // Some writers pad the last strip.
     if (got != wanted && got != unpacked_bytes(d, parts, 0))
       file.broken("part " + std::to_string(i + 1) + " of its " + std::to_string(parts.count()) +
                   " does not unpack to its pixels");

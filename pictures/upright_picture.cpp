@@ -13,7 +13,7 @@ namespace burin {
 namespace fs = std::filesystem;
 
 UprightPicture open_upright(const fs::path& file) {
-  // Colors as stored, not multiplied by alpha in 8 bits behind our back.
+  // Colors as stored, so that OpenImageIO does not multiply them by alpha in 8 bits.
   OIIO::ImageSpec config;
   config["oiio:UnassociatedAlpha"] = 1;
   UprightPicture picture;
