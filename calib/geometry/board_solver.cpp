@@ -17,25 +17,25 @@
 namespace burin {
 namespace {
 
-constexpr double kFloor_px = 0.004;      // what the line fit's own noise does not cover: sampling, neighboring marks
-constexpr double kSeedSigma_px = 0.3;    // while lens and poses are still rough
-constexpr double kTagOutlier_sigma = 4;  // a tag this far from where board.json has it lies somewhere else
-constexpr double kFarView_px = 1.5;      // while the lens is rough: a photo that fits worse than this, and
-constexpr double kFarFactor = 8;         // so many times worse than the others, is another camera's
-constexpr double kOddView_px = 0.2;  // the same once the lens is known: such a photo would pass for a noisy one, but
-constexpr double kOddFactor = 6;     // a focus that breathes by 2 % moves its camera by 2 % of its distance
-constexpr double kTornView = 0.3;    // share of a photo's tags that contradict it, while they suit the others
+constexpr double kFloor_px = 0.004;      // error beyond the line fit's own noise: sampling, neighboring marks
+constexpr double kSeedSigma_px = 0.3;    // while lens and poses are only initial guesses
+constexpr double kTagOutlier_sigma = 4;  // a tag this far from its position in board.json is misplaced
+constexpr double kFarView_px = 1.5;      // residual of a photo with another lens, while the lens is rough,
+constexpr double kFarFactor = 8;         // and its ratio to the residuals of the others
+constexpr double kOddView_px = 0.2;      // these limits for a known lens: such a photo resembles a noisy one, but
+constexpr double kOddFactor = 6;         // focus breathing of 2 % moves its camera by 2 % of its distance
+constexpr double kTornView = 0.3;        // share of outlier tags in one photo that fit the other photos
 
-// What a photo's lens may differ by that suits no other's: a digital zoom, or a crop that was enlarged.
+// Priors for a lens that differs from all others: a digital zoom, or an enlarged crop.
 constexpr double kAnyShift = 0.1;                    // of the picture's longer side
 constexpr double kAnyFocal = 0.5;                    // of a logarithm
-constexpr double kZoomed = 5;                        // so many times the usual scatter is a zoom
-constexpr double kLittle_px = 0.02, kLittle = 1e-5;  // of views whose lenses are alike, beside one that was enlarged
+constexpr double kZoomed = 5;                        // ratio to the usual scatter for a zoom
+constexpr double kLittle_px = 0.02, kLittle = 1e-5;  // of views with equal lenses, next to an enlarged one
 
 constexpr const char* kOddPhoto =
     "it was taken with another focal length or focus, was moved between its exposures or exposed twice; take it again";
 
-// Everything on the way: the bundle, and what its corners are in the caller's terms.
+// State of the solve: the bundle, and its corners in the caller's terms.
 struct Solver {
   const Board& board;
   const std::vector<ViewTags>& pictures;
@@ -50,7 +50,7 @@ struct Solver {
   struct Origin {
     int picture, detection, corner;
   };
-  std::vector<Origin> origin;        // one a bundle corner
+  std::vector<Origin> origin;        // one per bundle corner
   std::vector<double> raw_sigma_px;  // from the detector, with the floor
   BoardSolution out;
 
@@ -117,7 +117,7 @@ struct Solver {
       tag_index[board.tags.list[i].id] = static_cast<int>(i);
       TagPlacement t;
       t.sigma_mm = std::max(board.tags.sigma_mm, 1e-4);
-      // Whoever places a tag's two ends to sigma turns it by about sigma / half its side.
+      // A placement error of sigma at both ends of a tag turns it by about sigma / half its side.
       t.sigma_rad = t.sigma_mm / (board.tags.list[i].size_mm / 2);
       bundle.tags.push_back(t);
     }
@@ -205,7 +205,7 @@ struct Solver {
         bundle.views[v] = poses.T_camera_board[v];
     }
     require_views();
-    // A seed with any corner behind the camera cannot start the solve.
+    // An initial guess with a corner behind the camera cannot start the solve.
     const auto residuals = bundle_residuals_px(bundle);
     for (std::size_t i = 0; i < residuals.size(); ++i)
       if (!residuals[i].allFinite()) bundle.corners[i].used = false;
@@ -221,7 +221,7 @@ struct Solver {
     return rms;
   }
 
-  // Photos that this lens did not take: what is in them may have been enlarged, or they are left out.
+  // Finds a photo that this lens does not fit: it gets its own lens, since it may be enlarged, or is excluded.
   bool drop_far_views(double far_px, double far_factor) {
     const auto rms = view_rms(bundle_residuals_px(bundle));
     std::vector<double> present;
@@ -249,7 +249,7 @@ struct Solver {
     return true;
   }
 
-  // Each photo's noise: the detector's sigma times a factor from its own residuals (median, so that outliers do not
+  // Noise of each photo: the detector's sigma times a factor from the photo's residuals (median, so outliers do not
   // count).
   void reweigh() {
     const auto residuals = bundle_residuals_px(bundle);
@@ -273,7 +273,8 @@ struct Solver {
     }
   }
 
-  // Where the photos' rays through a tag's corners meet the board, mm, and how much that differs between photos.
+  // Intersection of rays through a tag's corners with the board, mm: the photos' median, and the median distance from
+  // it.
   std::pair<Eigen::Vector2d, double> place_of(int tag) const {
     std::vector<Eigen::Vector2d> places;
     for (std::size_t i = 0; i + 3 < bundle.corners.size(); i += 4) {
@@ -304,14 +305,14 @@ struct Solver {
     return {middle, median_of(off)};
   }
 
-  // What corners say of the tags that they belong to: by tag, in how many photos it is bad and seen; by view, its tags
-  // and whether they are bad there.
+  // Outlier statistics of tags from their corners. By tag: number of photos in which it is bad, and in which it is
+  // seen. By view: its tags, and whether they are bad there.
   struct Contradictions {
     std::map<int, std::pair<int, int>> bad_and_seen;
     std::map<int, std::vector<std::pair<int, bool>>> by_view;
   };
 
-  // Corners, tags in photos and tags altogether that contradict the rest. True if anything changed.
+  // Excludes outlier corners, tags in single photos, and tags in all photos. Returns whether anything changed.
   bool leave_out(const BundleOptions& o) {
     bool changed = false;
     const Contradictions found = leave_out_corners(changed);
@@ -329,7 +330,7 @@ struct Solver {
     return changed;
   }
 
-  // Single corners, and tags in single photos: two bad corners make a bad tag.
+  // Excludes single corners, and tags in single photos: two bad corners make a bad tag.
   Contradictions leave_out_corners(bool& changed) {
     const auto residuals = bundle_residuals_px(bundle);
     std::map<std::pair<int, int>, std::vector<std::size_t>> by_detection;
@@ -356,8 +357,8 @@ struct Solver {
     return out;
   }
 
-  // A photo of another focal length keeps the few tags that a false pose suits, and that pose is far off. One at a
-  // time: it pulls the others with it.
+  // Excludes a photo of another focal length. It keeps the few tags that suit its wrong pose, which is far off. One at
+  // a time, because it biases the others.
   bool leave_out_torn_view(const Contradictions& found) {
     int torn = -1;
     std::pair<int, int> torn_counts;
@@ -383,7 +384,7 @@ struct Solver {
     return true;
   }
 
-  // Tags that contradict in most photos: they lie somewhere else, or are not flat.
+  // Excludes tags that are outliers in most photos: misplaced, or not flat.
   bool leave_out_moved_tags(const Contradictions& found) {
     bool changed = false;
     for (const auto& [tag, counts] : found.bad_and_seen) {
@@ -408,8 +409,8 @@ struct Solver {
     return changed;
   }
 
-  // The tag that was shifted most, against what the other tags show to be usual on this board. One at a time: a
-  // misplaced tag pulls its neighbors with it.
+  // Excludes the tag with the largest shift, compared with the usual shifts on this board. One at a time, because a
+  // misplaced tag biases its neighbors.
   bool leave_out_misplaced_tag(const BundleOptions& o) {
     const BundleUncertainty u = bundle_uncertainty(bundle, o);
     std::vector<double> size;
@@ -449,9 +450,9 @@ struct Solver {
     return false;
   }
 
-  // Tags left out in single photos, and pairs that hold each other's places.
+  // Reports tags that were excluded in single photos, and tags that occupy each other's positions.
   void name_contradictions(const std::vector<Eigen::Vector2d>& residuals) {
-    std::map<std::pair<int, bool>, std::vector<std::string>> views;  // by tag, and whether it lies far from its place
+    std::map<std::pair<int, bool>, std::vector<std::string>> views;  // by tag, and whether it is far from its position
     for (std::size_t i = 0; i + 3 < bundle.corners.size(); i += 4) {
       const BundleCorner& c = bundle.corners[i];
       if (view_dropped[c.view] || tag_dropped[c.tag]) continue;
@@ -488,7 +489,8 @@ struct Solver {
       }
   }
 
-  // The lens bends a tag's sides; the corners were measured with straight lines (burin/capture/tags/tag_detector.h).
+  // Corrects for the lens, which bends a tag's sides, while the detector fits straight lines
+  // (burin/capture/tags/tag_detector.h).
   void straighten() {
     const double skip = side_skip_fraction(board.tags.family);
     for (std::size_t i = 0; i + 3 < bundle.corners.size(); i += 4) {
@@ -521,15 +523,15 @@ struct Solver {
 
  private:
   bool said_spread_ = false;
-  std::map<int, Eigen::Vector2d> seen_at_;  // tags left out for their place: where they were, mm
+  std::map<int, Eigen::Vector2d> seen_at_;  // excluded tags with a wrong position: their estimated positions, mm
 };
 
 }  // namespace
 
 namespace {
 
-// By how much lenses differ: what was found of them, and what it may be off by. A view that differs by far more than
-// the others is a zoom, and its own prior says next to nothing.
+// Sets the priors of the views' lenses: the scatter of the estimates, with their uncertainty. A view that differs by
+// far more than the others is a zoom, and gets the wide prior of any_lens().
 LensScatter set_lens_priors(Solver& s, const BundleOptions& o, Bundle& bundle) {
   const BundleUncertainty u = bundle_uncertainty(bundle, o);
   std::vector<double> shift2, focal2;
@@ -555,8 +557,8 @@ LensScatter set_lens_priors(Solver& s, const BundleOptions& o, Bundle& bundle) {
   return scatter;
 }
 
-// Gives each view a lens of its own if views fitted one by one differ beyond chance, and if that explains the corners
-// better than one lens does by more than three numbers a view are worth.
+// Gives each view its own lens on two conditions. Separately fitted views must differ significantly. The own lenses
+// must explain the corners better by more than the penalty of three parameters per view.
 void ask_for_own_lenses(Solver& s, const BundleOptions& o, const std::string& model) {
   std::vector<bool> counts;
   for (std::size_t v = 0; v < s.view_names.size(); ++v)
@@ -564,7 +566,8 @@ void ask_for_own_lenses(Solver& s, const BundleOptions& o, const std::string& mo
   LensScatter scatter = lens_scatter(own_lens_fits(s.bundle), counts);
   s.out.lenses_differ = scatter.shift_px > 0 || scatter.focal > 0;
   if (!s.out.lenses_differ || !s.options.own_lenses) return;
-  // From much: what one lens hides shows little at first, and a prior that is too narrow would never widen.
+  // Starts from a wide prior. A common lens hides most of the differences at first, and a narrow prior would never
+  // widen.
   constexpr double kMuchShift = 0.01, kMuchFocal = 0.02;  // of the picture's longer side; of a logarithm
   scatter = {std::max(2 * scatter.shift_px, kMuchShift * std::max(s.bundle.lens.width, s.bundle.lens.height)),
              std::max(2 * scatter.focal, kMuchFocal)};
@@ -587,11 +590,11 @@ void ask_for_own_lenses(Solver& s, const BundleOptions& o, const std::string& mo
   s.out.lens_scatter = scatter;
 }
 
-// Robustly: finds what contradicts the rest. Ends with the bundle's lens of the model that was chosen, which is told.
+// Robust solve that finds outliers. Ends with the bundle's lens of the chosen model, and returns its name.
 std::string solve_robustly(Solver& s, const std::function<void(double)>& report) {
   const BoardSolverOptions& options = s.options;
   const int width = s.bundle.lens.width, height = s.bundle.lens.height;
-  // Rough: the plainest lens, a flat board, tags where they are believed to be.
+  // Initial guess: the plainest lens, a flat board, tags at their prior positions.
   BundleOptions o;
   o.fix_lens = options.fix_lens;
   o.cauchy_sigma = 2;
@@ -609,7 +612,7 @@ std::string solve_robustly(Solver& s, const std::function<void(double)>& report)
   o.fix_tags = false;
   solve(first);
   s.reweigh();
-  // Residuals of the plainest lens may still hold distortion: choose the model before judging corners.
+  // Residuals of the plainest lens may contain distortion, so choose the model before judging corners.
   std::string model = options.lens ? options.lens->model : options.lens_model;
   if (!options.fix_lens && !options.lens)
     s.bundle.lens = plain_lens("LENSMODEL_OPENCV4", s.bundle.lens.intrinsics[0], width, height);
@@ -630,7 +633,7 @@ std::string solve_robustly(Solver& s, const std::function<void(double)>& report)
   return model;
 }
 
-// Least squares on what is left, in the frame of the tags' set.
+// Least squares without the outliers, in the frame of the set of tags.
 BundleOptions solve_finally(Solver& s, const std::string& model) {
   BundleOptions o;
   o.fix_lens = s.options.fix_lens;
@@ -653,8 +656,7 @@ BundleOptions solve_finally(Solver& s, const std::string& model) {
   return o;
 }
 
-// Scales all weights to what the residuals show, with the degrees of freedom that the parameters took, and tells how
-// large they are.
+// Scales all weights by the residuals, with the degrees of freedom of the parameters, and reports their size.
 void scale_weights(Solver& s, const std::vector<Eigen::Vector2d>& residuals) {
   double chi2 = 0, sum2 = 0, n = 0, scale_sum = 0;
   for (std::size_t i = 0; i < residuals.size(); ++i) {
@@ -675,7 +677,7 @@ void scale_weights(Solver& s, const std::vector<Eigen::Vector2d>& residuals) {
   s.out.rms_board_mm = s.out.rms_px / (2 * scale_sum / std::max(1.0, n));
 }
 
-// Every corner with its residual; those that were left out one by one are counted.
+// Reports every corner with its residual, and counts those excluded one by one.
 void tell_corners(Solver& s, const std::vector<Eigen::Vector2d>& residuals) {
   int single = 0;
   for (std::size_t i = 0; i < residuals.size(); ++i) {
@@ -731,7 +733,7 @@ void tell_tags(Solver& s, const BundleUncertainty& u) {
   }
 }
 
-// Lenses of views' own, by how much they differ, and photos that were enlarged.
+// Reports the views' own lenses by their scatter, and enlarged photos.
 void tell_own_lenses(Solver& s) {
   for (std::size_t v = 0; v < s.bundle.view_lenses.size(); ++v) {
     const ViewLens& lens = s.bundle.view_lenses[v];
@@ -743,7 +745,7 @@ void tell_own_lenses(Solver& s) {
               "leave zoom and pictures as they are: what is enlarged shows no more");
   }
   if (!s.out.lens_scatter) {
-    // Of a zoom alone: all others have one lens.
+    // Only zooms move; all others share one lens.
     const auto moves = [](const ViewLens& lens) { return lens.moves(); };
     if (std::any_of(s.bundle.view_lenses.begin(), s.bundle.view_lenses.end(), moves))
       s.out.lens_scatter = LensScatter{kLittle_px, kLittle};
@@ -759,10 +761,10 @@ void tell_own_lenses(Solver& s) {
       "focus once by hand, switch autofocus and stabilizer off, and leave the zoom alone");
 }
 
-// Focus that differs from photo to photo moves each camera along its axis by as much, which no corner shows: all sigmas
-// are raised until those of the cameras count it.
+// Refocusing between photos moves each camera along its axis without any effect on corners. This raises all sigmas
+// until the cameras' sigmas include it.
 void count_focal_scatter(Solver& s, const BundleOptions& o, BundleUncertainty& u) {
-  if (s.out.lens_scatter) return;  // and they do
+  if (s.out.lens_scatter) return;  // own lenses include it
   std::vector<bool> counts;
   for (const bool dropped : s.view_dropped) counts.push_back(!dropped);
   const double scatter = focal_scatter(own_focals(s.bundle), counts);

@@ -1,7 +1,7 @@
 #include "burin/calib/geometry/bundle.h"
 
 #include <ceres/ceres.h>
-extern "C" {  // mrcal's headers have no guard for C++ of their own
+extern "C" {  // mrcal's headers do not support C++ themselves
 #include <mrcal/mrcal.h>
 #include <mrcal/poseutils.h>
 }
@@ -52,7 +52,7 @@ Eigen::Isometry3d to_isometry(const double* p) {
   return T;
 }
 
-// Where a place of a bent sheet's tags lies, z_mm above its face, and how it moves along the sheet and with the bow.
+// Position of a point on a bent sheet, z_mm above its face, and its derivatives along the sheet and by the bow.
 Eigen::Vector3d bent_point(const Surface& believed, const Eigen::Vector3d& bow_mm, const Eigen::Vector2d& xy,
                            double z_mm, Eigen::Matrix<double, 3, 2>* by_xy, Eigen::Matrix3d* by_bow) {
   const Cylinder sheet = cylinder_of(Surface{believed.size_mm, bow_mm, believed.bend});
@@ -77,7 +77,7 @@ Eigen::Vector3d board_point(const BundleCorner& c, const Surface& surface, const
                             Eigen::Matrix3d* by_placement) {
   const Eigen::Vector2d& size_mm = surface.size_mm;
   const double turn = placement ? placement[2] : 0, cs = std::cos(turn), sn = std::sin(turn);
-  // The edge moves both sides that meet in the corner outwards: along the diagonal, sqrt(2) edge.
+  // The edge moves both sides at the corner outwards: along the diagonal, sqrt(2) edge.
   const double half = c.offset_mm.norm() / std::sqrt(2.0), grow = half > 0 ? 1 + shared[0] / half : 1;
   const Eigen::Vector2d turned(cs * c.offset_mm.x() - sn * c.offset_mm.y(),
                                sn * c.offset_mm.x() + cs * c.offset_mm.y());
@@ -117,12 +117,12 @@ Eigen::Vector3d board_point(const BundleCorner& c, const Surface& surface, const
   return {xy.x(), xy.y(), z};
 }
 
-// What a view has of its own: its pose; behind it the shift of its principal point (px) and the logarithm of its focal
-// length over that of all.
+// A view's own parameters: its pose, then the shift of its principal point (px) and the logarithm of its focal length
+// over the common one.
 constexpr int kPose = 6, kOwn = 9;
 
-// Blocks: lens, the view's own, shared, and the tag's placement if it has one. A view's lens that does not move
-// is as the bundle has it.
+// Blocks: lens, the view's own, shared, and the tag's placement if it has one. A view without its own lens has the
+// bundle's.
 class ReprojectionCost final : public ceres::CostFunction {
  public:
   ReprojectionCost(const mrcal_lensmodel_t& model, int lens_parameters, const Surface& surface,
@@ -206,7 +206,7 @@ class ReprojectionCost final : public ceres::CostFunction {
   int own_;
 };
 
-// What a view's lens may differ by.
+// Prior of a view's lens difference.
 class ViewLensPrior final : public ceres::CostFunction {
  public:
   explicit ViewLensPrior(const LensScatter& prior) : weight_{1 / prior.shift_px, 1 / prior.shift_px, 1 / prior.focal} {
@@ -256,7 +256,7 @@ class DiagonalPrior final : public ceres::CostFunction {
   std::vector<double> mean_, sigma_;
 };
 
-// The set of tags neither moves nor turns nor grows: sums of shifts, of moments and of radial parts vanish.
+// Gauge of the set of tags: sums of shifts, of moments and of radial parts are zero.
 constexpr double kHold_mm = 1e-4;
 class TagSetHeld final : public ceres::CostFunction {
  public:
@@ -289,9 +289,8 @@ class TagSetHeld final : public ceres::CostFunction {
   std::vector<Eigen::Matrix<double, 4, 3, Eigen::RowMajor>> rows_;
 };
 
-// How far a lens may be from the plainest one of its focal length. Wide: they only keep OPENCV8's numerator and
-// denominator, which all but cancel for a narrow lens, from running away together (mrcal regularises for the same
-// reason).
+// Wide priors about the plainest lens of the same focal length. OPENCV8's numerator and denominator almost cancel for a
+// narrow lens; the priors keep them from diverging together. mrcal regularizes for the same reason.
 std::vector<double> lens_prior_sigma(const Lens& lens) {
   std::vector<double> sigma(lens.intrinsics.size(), 1.0);
   const double size = std::max(lens.width, lens.height);
@@ -302,7 +301,7 @@ std::vector<double> lens_prior_sigma(const Lens& lens) {
   return sigma;
 }
 
-// A focal length or a center that is known no better is no calibration, however wide its prior was.
+// A focal length or a center with a larger sigma is not calibrated, however wide its prior is.
 constexpr double kFocalKnown = 0.02;   // of the focal length
 constexpr double kCenterKnown = 0.05;  // of the picture's longer side
 
@@ -310,11 +309,11 @@ bool has_core_and_few(const Lens& lens) { return lens.intrinsics.size() >= 4 && 
 
 // Parameters as Ceres sees them, and the problem around them.
 struct Work {
-  // One array holds all: Ceres orders blocks by their addresses, and sums must be in one order always.
+  // One array holds all, because Ceres orders blocks by address, and sums must always have one order.
   std::vector<double> all;
   std::span<double> lens, shared;
   std::vector<double*> poses, placements;
-  std::vector<int> view_corners;  // used corners a view
+  std::vector<int> view_corners;  // used corners per view
   std::vector<bool> tag_seen;
   std::unique_ptr<ceres::Problem> problem;
 
@@ -506,13 +505,13 @@ BundleSummary solve_bundle(Bundle& b, const BundleOptions& o) {
     fail("the photos", "hold no corners to solve from", "photograph the whole board, sharp");
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::DENSE_SCHUR;
-  options.num_threads = 1;  // sums in one order: the same bits on every machine
+  options.num_threads = 1;  // one order of sums: the same bits on every machine
   options.max_num_iterations = o.max_iterations;
   options.function_tolerance = 1e-12;
   options.parameter_tolerance = 1e-12;
   options.gradient_tolerance = 1e-12;
-  // Without damping, numerator and denominator of a rational lens may leave Cholesky no digits (and Ceres says so
-  // aloud).
+  // Minimum damping. Without it the numerator and denominator of a rational lens may leave Cholesky no digits, and
+  // Ceres prints a warning.
   options.max_trust_region_radius = 1e9;
   options.logging_type = ceres::SILENT;
   options.use_nonmonotonic_steps = false;
@@ -556,10 +555,10 @@ BundleSummary solve_bundle(Bundle& b, const BundleOptions& o) {
 
 namespace {
 
-// Where each free block of parameters that views share has its columns.
+// Columns of each free block of shared parameters.
 using Columns = std::map<const double*, int>;
 
-// Names, priors and columns of lens, edge and bow, and tags.
+// Sets names, priors and columns of lens, edge and bow, and tags.
 Columns lay_out_columns(const Bundle& b, const BundleOptions& o, Work& work, BundleEquations& out) {
   ceres::Problem& problem = *work.problem;
   Columns column;
@@ -616,7 +615,7 @@ void add_residual(const Work& work, const Columns& column, const std::map<const 
       view = &out.views[at->second];
       pose_block = k;
     }
-  // What a manifold holds fixed has no derivative.
+  // Parameters fixed by a manifold have no derivative.
   for (std::size_t k = 0; k < blocks.size(); ++k)
     if (blocks[k] == work.shared.data()) {
       if (out.bow_held) J[k].middleCols(1, 3).setZero();
@@ -681,7 +680,7 @@ BundleEquations bundle_equations(const Bundle& b, const BundleOptions& o) {
     v.information -= v.B.transpose() * factor.solve(v.B);
     v.gradient -= v.B.transpose() * factor.solve(v.g);
   }
-  // Rows that nothing touches (held by a manifold) get their prior, so that the matrix stays invertible.
+  // Rows without any derivative (fixed by a manifold) get their prior, so the matrix stays invertible.
   for (int i = 0; i < columns; ++i) {
     double sum = out.prior(i, i);
     for (const auto& v : out.views) sum += v.information(i, i);
@@ -779,7 +778,7 @@ Lens plain_lens(const std::string& model, double focal_px, int width, int height
 
 namespace {
 
-// Board and pixel points of each view, only the used ones. `in_space`: of a bent sheet, which no homography shows.
+// Used board and pixel points of each view. `in_space`: of a bent sheet, which is not a plane for a homography.
 struct ViewPoints {
   std::vector<cv::Point2f> board, pixel;
   std::vector<cv::Point3f> in_space;
@@ -796,12 +795,12 @@ std::vector<ViewPoints> points_by_view(const Bundle& b) {
       views[c.view].in_space.emplace_back(static_cast<float>(p.x()), static_cast<float>(p.y()),
                                           static_cast<float>(p.z()));
   }
-  if (b.surface.bend) return views;  // bent_pose() finds gross errors itself
-  // Gross errors (a misplaced tag, a false corner) must not seed anything.
+  if (b.surface.bend) return views;  // bent_pose() finds gross outliers itself
+  // Gross outliers (a misplaced tag, a false corner) must not affect initial guesses.
   for (ViewPoints& v : views) {
     if (v.board.size() < 8) continue;
     std::vector<unsigned char> inlier;
-    const double tolerance = 0.01 * std::max(b.lens.width, b.lens.height);  // lens distortion is no outlier
+    const double tolerance = 0.01 * std::max(b.lens.width, b.lens.height);  // permits lens distortion
     const cv::Mat H = cv::findHomography(v.board, v.pixel, cv::RANSAC, tolerance, inlier, 2000, 0.999);
     if (H.empty()) continue;
     ViewPoints kept;
@@ -815,7 +814,7 @@ std::vector<ViewPoints> points_by_view(const Bundle& b) {
   return views;
 }
 
-// A rotation vector and a translation as OpenCV gives them.
+// Converts OpenCV's rotation vector and translation.
 Eigen::Isometry3d isometry_of(const cv::Mat& rotation, const cv::Mat& translation) {
   cv::Mat R;
   cv::Rodrigues(rotation, R);
@@ -827,12 +826,12 @@ Eigen::Isometry3d isometry_of(const cv::Mat& rotation, const cv::Mat& translatio
   return T;
 }
 
-// The pose of a bent sheet from points that lie in no plane (SQPnP in RANSAC); its error is told, each point's counted
-// up to the tolerance. Nothing where too few points agree.
+// The pose of a bent sheet from points in no common plane (SQPnP in RANSAC), or nothing if too few points agree.
+// `error_px` returns its error, with each point's limited to the tolerance.
 std::optional<Eigen::Isometry3d> bent_pose(const Bundle& b, const ViewPoints& v, const cv::Matx33d& K,
                                            double& error_px) {
   constexpr int kFewest = 6;
-  const double tolerance = 0.01 * std::max(b.lens.width, b.lens.height);  // lens distortion is no outlier
+  const double tolerance = 0.01 * std::max(b.lens.width, b.lens.height);  // permits lens distortion
   if (v.in_space.size() < kFewest) return std::nullopt;
   cv::Mat rotation, translation;
   std::vector<int> inliers;
@@ -928,13 +927,13 @@ double seed_focal_px(const Bundle& b) {
     pixel.push_back(v.pixel);
   }
   try {
-    if (!b.surface.bend) {  // which no plane's homography shows
+    if (!b.surface.bend) {  // a bent sheet has no homography
       const cv::Mat K = cv::initCameraMatrix2D(object, pixel, cv::Size(b.lens.width, b.lens.height), 1.0);
       const double f = K.at<double>(0, 0);
       if (std::isfinite(f) && f > 0.1 * size && f < 50 * size) candidates.push_back(f);
     }
   } catch (const cv::Exception&) {
-    // too few or degenerate views: the scan decides alone
+    // too few or degenerate views: only the scan decides
   }
   double best = size, best_error = std::numeric_limits<double>::infinity();
   for (const double f : candidates) {
@@ -949,7 +948,7 @@ double seed_focal_px(const Bundle& b) {
 
 namespace {
 
-// What mrcal's own solver is given: every corner is a point of its own, seen once.
+// Input of mrcal's own solver: every corner is a separate point with one observation.
 struct MrcalPoints {
   std::vector<mrcal_pose_t> poses;
   std::vector<mrcal_point3_t> points, pixels;  // of a pixel: x, y, weight
@@ -962,9 +961,9 @@ constexpr bool kHoldsPixel = requires(Observation o) {
   o.px;
 };
 
-// Until mrcal 2.4 an observation holds its pixel. Later pixels lie beside observations, and points to be triangulated
-// are taken as well; there are none here. `Count` and `Optimize` are mrcal_num_measurements and mrcal_optimize: their
-// arguments are looked at only where they fit.
+// Up to mrcal 2.4 an observation contains its pixel. Later versions take pixels separately, and also points for
+// triangulation, of which there are none here. `Count` and `Optimize` are mrcal_num_measurements and mrcal_optimize.
+// Templates check their arguments only in the branch that fits.
 template <typename Observation, typename Count, typename Optimize>
 mrcal_stats_t solve_by_mrcal(Count count_measurements, Optimize optimize, const Lens& lens, MrcalPoints& p,
                              std::vector<Observation>& observations, std::vector<double>& intrinsics) {
@@ -1000,13 +999,13 @@ mrcal_stats_t solve_by_mrcal(Count count_measurements, Optimize optimize, const 
 }  // namespace
 
 MrcalCheck check_with_mrcal(const Bundle& b) {
-  constexpr double kMeter = 1e-3;  // mrcal's internal scales are chosen for meters
+  constexpr double kMeter = 1e-3;  // mrcal's internal scales suit meters
   std::vector<double> intrinsics = b.lens.intrinsics;
   std::vector<int> slot(b.views.size(), -1);
   MrcalPoints seen;
   std::vector<double> sigmas;
   double nearest = std::numeric_limits<double>::infinity(), furthest = 0;
-  // mrcal wants observations sorted by point, then camera; every corner is its own point here.
+  // mrcal requires observations sorted by point, then camera; every corner is a separate point here.
   for (const BundleCorner& c : b.corners) {
     if (!c.used) continue;
     const Eigen::Vector3d p = bundle_point_mm(b, c);
@@ -1027,7 +1026,7 @@ MrcalCheck check_with_mrcal(const Bundle& b) {
     o.icam.intrinsics = 0;
     o.icam.extrinsics = slot[c.view];
     o.i_point = static_cast<int>(seen.points.size());
-    // Where the lens of all would show it: mrcal knows one.
+    // Position under the common lens, because mrcal has one lens.
     const OwnLens own = view_lens(b, static_cast<std::size_t>(c.view)).own;
     Eigen::Vector2d q = c.q_px - b.spread_px * c.outward;
     if (b.lens.intrinsics.size() >= 4) {

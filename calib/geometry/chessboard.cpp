@@ -41,7 +41,7 @@ cv::Mat eight_bits(const Image& linear) {
   return gray;
 }
 
-// The picture with its light evened out: each pixel beside the mean around it.
+// Corrects uneven light: each pixel relative to the mean around it.
 cv::Mat evenly_lit(const cv::Mat& gray) {
   constexpr double kMean = 128;
   const int around = gray.cols / 8 | 1;  // some squares of a board that fills the picture
@@ -52,8 +52,8 @@ cv::Mat evenly_lit(const cv::Mat& gray) {
   return out;
 }
 
-// How much a place looks like squares that meet: the brightness of two opposite quarters against the other two. `u` and
-// `v` lead along the sides of squares. Nothing outside of the picture.
+// Contrast of a place as a corner of four squares: the brightness of two opposite quarters against the other two. `u`
+// and `v` run along the sides of squares. Empty outside the picture.
 std::optional<double> saddle_at(const cv::Mat& gray, const cv::Point2f& at, const cv::Point2f& u,
                                 const cv::Point2f& v) {
   constexpr float kWithin = 0.3F;  // of a square
@@ -68,8 +68,8 @@ std::optional<double> saddle_at(const cv::Mat& gray, const cv::Point2f& at, cons
   return std::abs(sum);
 }
 
-// Whether squares go on beyond a side of the corners found: they are a part of a larger board. One step outside of a
-// whole board its outermost squares meet the white margin, which looks half as much like squares that meet.
+// Whether squares continue beyond a side of the corners, which then are a part of a larger board. One step outside a
+// whole board, its outermost squares meet the white margin, with half of the contrast.
 bool goes_on(const cv::Mat& gray, const Chessboard& board, const std::vector<cv::Point2f>& corners) {
   constexpr double kMeet = 0.75;
   const auto corner = [&](int row, int column) {
@@ -96,8 +96,8 @@ bool goes_on(const cv::Mat& gray, const Chessboard& board, const std::vector<cv:
              rows, [&](int k) { return corner(k, columns - 1); }, [&](int k) { return corner(k, columns - 2); });
 }
 
-// All of its corners, row by row. The quick look takes a board in uneven light for none: it is asked first, for most
-// photos pass it. The thorough search also finds a part of a board that has more corners, which is another board.
+// All corners of a board, row by row. The quick check rejects boards in uneven light, but it runs first, since most
+// photos pass it. The thorough search also finds a part of a board with more corners, which is another board.
 bool find_corners(const cv::Mat& gray, const Chessboard& board, std::vector<cv::Point2f>& corners) {
   constexpr int kThorough = cv::CALIB_CB_ADAPTIVE_THRESH | cv::CALIB_CB_NORMALIZE_IMAGE;
   const cv::Size size(board.columns, board.rows);
@@ -107,10 +107,10 @@ bool find_corners(const cv::Mat& gray, const Chessboard& board, std::vector<cv::
   return cv::findChessboardCorners(even, size, corners, kThorough) && !goes_on(even, board, corners);
 }
 
-// Found on a picture of at most kSearchWidth pixels, refined on the whole one.
+// Corners found on a picture of at most kSearchWidth pixels, and refined on the whole picture.
 struct Corners {
   std::vector<cv::Point2f> q;
-  bool crowded = false;  // the windows reach half way to the next corner, or further
+  bool crowded = false;  // the windows extend half way to the next corner, or further
 };
 std::optional<Corners> corners_in(const cv::Mat& gray, const Chessboard& board, int window_px) {
   constexpr double kSearchWidth = 1600;
@@ -125,7 +125,7 @@ std::optional<Corners> corners_in(const cv::Mat& gray, const Chessboard& board, 
   for (std::size_t i = 0; i + 1 < corners.size(); ++i)
     if ((i + 1) % static_cast<std::size_t>(board.columns) != 0)
       nearest = std::min(nearest, static_cast<double>(cv::norm(corners[i + 1] - corners[i])));
-  // A saddle point is judged by what lies around it, short of its neighbors.
+  // The window of a saddle point must end short of its neighbors.
   const int room = std::max(3, static_cast<int>(0.45 * nearest));
   const int usual = static_cast<int>(std::lround((window_px > 0 ? window_px : kCornerWindow_px) * scale));
   const int reach = window_px > 0 ? usual : std::min(room, usual);
@@ -211,7 +211,7 @@ ChessboardViews read_corners(const std::filesystem::path& vnl, const Chessboard&
   while (table.next()) {
     const std::size_t file = *table.find("filename"), x = *table.find("x"), y = *table.find("y");
     const std::string where = table.where();
-    table.text(std::max({file, x, y}));  // the row reaches so far
+    table.text(std::max({file, x, y}));  // checks that the row is long enough
     if (table.text(file) != current) {
       finish(where);
       current = table.text(file);

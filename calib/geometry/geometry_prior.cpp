@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::size_t kLensCore = 4;  // fx fy cx cy
 
-// BundleUncertainty's pose parameters (added to the rotation vector; translation) by this room's (r, t).
+// BundleUncertainty's pose parameters (added to the rotation vector; translation) by this module's (r, t).
 Eigen::Matrix<double, 6, 6> bundle_pose_by_move(const Eigen::Isometry3d& T) {
   const auto cross = [](const Eigen::Vector3d& v) {
     return (Eigen::Matrix3d() << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0).finished();
@@ -34,8 +34,8 @@ Eigen::Matrix<double, 6, 6> bundle_pose_by_move(const Eigen::Isometry3d& T) {
   return out;
 }
 
-// How many times larger the cameras' sigmas in the bench are than the tags' noise alone makes them: focus that differed
-// from photo to photo is in them, and in no residual. 1 unless that is much.
+// Ratio of the cameras' sigmas in the bench to those from the tags' noise alone. The former include refocusing between
+// photos, which no residual shows. 1 unless the ratio is large.
 double beyond_noise(const Bundle& bundle, const BundleOptions& options, const std::vector<View>& views) {
   const BundleUncertainty u = bundle_uncertainty(bundle, options);
   std::vector<double> times;
@@ -52,8 +52,7 @@ double beyond_noise(const Bundle& bundle, const BundleOptions& options, const st
 
 namespace {
 
-// Of a view's lens as the bench has it: photos whose lens differs by far more than the others', as those of a digital
-// zoom, are known by that.
+// A view's lens from the bench. A photo is a digital zoom if its lens differs by far more than the others'.
 ViewLens view_lens_of(const View& view, const LensScatter& scatter) {
   const OwnLens own = view.own_lens.value_or(OwnLens{});
   return {
@@ -61,7 +60,7 @@ ViewLens view_lens_of(const View& view, const LensScatter& scatter) {
       {std::max(scatter.shift_px, own.shift_px.norm()), std::max(scatter.focal, std::abs(std::log(own.focal_ratio)))}};
 }
 
-// A bundle with the tags' corners at their predicted places: the prior needs only their information.
+// A bundle with the tags' corners at their predicted positions: the prior needs only their information.
 Bundle predicted_bundle(const Board& board, const Bench& bench) {
   Bundle bundle;
   bundle.lens = bench.lens;
@@ -93,7 +92,7 @@ Bundle predicted_bundle(const Board& board, const Bench& bench) {
 
 constexpr double kExact = 1e18;
 
-// The information of all views' own and of the shared columns, which stand behind them. `own`: numbers a view.
+// The information of all views' own columns, followed by the shared columns. `own`: columns per view.
 Eigen::MatrixXd whole_information(const BundleEquations& equations, const Bench& bench, Eigen::Index own) {
   const auto views = static_cast<Eigen::Index>(bench.views.size());
   const Eigen::Index columns = equations.columns;
@@ -143,7 +142,7 @@ GeometryPrior geometry_prior(const Board& board, const Bench& bench, bool own_le
     for (BundleCorner& corner : bundle.corners) corner.sigma_px *= times;
 
   const BundleEquations equations = bundle_equations(bundle, options);
-  // What moves in front: of each view, the bow, the lens.
+  // Kept columns first: those of each view, the bow, the lens.
   const Eigen::Index shared = own * views, bow = shared + equations.shared_at + 1;
   std::vector<Eigen::Index> order;
   for (Eigen::Index v = 0; v < views; ++v)

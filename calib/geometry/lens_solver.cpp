@@ -17,7 +17,7 @@ int rung(const std::string& model) {
   return -1;
 }
 
-// A bigger model of the family begins with the parameters of the smaller.
+// A larger model of the family begins with the parameters of the smaller.
 void climb(Lens& lens, int to) {
   lens.model = kLadder[to];
   lens.intrinsics.resize(lens_parameter_count(lens.model), 0.0);
@@ -36,7 +36,7 @@ BundleSummary solve_with_lens_model(Bundle& bundle, const BundleOptions& options
   if (options.fix_lens) return solve_bundle(bundle, options);
   const int last = model.empty() ? static_cast<int>(kLadder.size()) - 1 : rung(model);
   if (last < 0) {
-    // Another of mrcal's models: it must have come with a start of its own.
+    // Another of mrcal's models needs its own initial guess.
     if (bundle.lens.model != model)
       fail("lens model \"" + model + "\"", "cannot be started from nothing",
            "give a .cameramodel of that model to start from, or use " + std::string(kLadder[0]) + ", " + kLadder[1] +

@@ -17,7 +17,7 @@ struct OwnCorners {
   std::vector<double> sigma_px;
 };
 
-// A view's pose and lens on their way.
+// A view's pose and lens during the fit.
 struct FreeView {
   Eigen::Isometry3d T_camera_board;
   Eigen::Vector3d own{0, 0, 0};  // logarithm of the focal length, shift
@@ -65,7 +65,7 @@ std::optional<OwnLensFit> own_lens_fit(const OwnCorners& corners, const Lens& le
     for (Eigen::Index k = 0; k < numbers; ++k)
       J.col(k) = (residuals_at(corners, lens, moved(at, step[k] * Eigen::VectorXd::Unit(numbers, k))) - r) / step[k];
     if (!J.allFinite()) return std::nullopt;
-    // Corners that contradict the view itself: their weight falls as Cauchy's.
+    // Outliers of the view itself get Cauchy weights.
     constexpr double kRobust = 3;
     Eigen::VectorXd weight = (1 + r.array().square() / (kRobust * kRobust)).inverse().matrix();
     if (round == 0) weight.setOnes();
@@ -78,7 +78,8 @@ std::optional<OwnLensFit> own_lens_fit(const OwnCorners& corners, const Lens& le
     if (std::abs(x[kFreePose]) > kLongest) x *= kLongest / std::abs(x[kFreePose]);
     at = moved(at, x);
   }
-  // Corners' sigmas are what one lens leaves of them: with their own lens they miss by far less where lenses differ.
+  // The corners' sigmas include the misfit of the common lens. With its own lens a view fits far better, if lenses
+  // differ.
   constexpr double kLeast = 1e-4;
   const double scale = numbers == kWithCenter ? std::max(chi2, kLeast) : std::max(chi2, 1.0);
   const Eigen::MatrixXd covariance = H.ldlt().solve(Eigen::MatrixXd::Identity(numbers, numbers)) * scale;
@@ -106,7 +107,7 @@ std::vector<std::optional<OwnLensFit>> fits_of_views(const Bundle& bundle, Eigen
   return out;
 }
 
-// One number of each view, and its sigma.
+// One number of a view, and its sigma.
 struct Known {
   double value, sigma;
 };
@@ -121,14 +122,14 @@ double scatter_between(const std::vector<Known>& known) {
   double chi2 = 0;
   for (const Known& f : known) chi2 += (f.value - mean) * (f.value - mean) / (f.sigma * f.sigma);
   const auto freedom = static_cast<double>(known.size() - 1);
-  constexpr double kChance = 6;  // what a lens model that is a little short makes of it
+  constexpr double kChance = 6;  // margin for a slightly insufficient lens model
   if (chi2 < kChance * freedom) return 0;
   double squares = 0;
   for (const Known& f : known) squares += 1 / std::pow(f.sigma, 4);
   return std::sqrt(std::max(0.0, (chi2 - freedom) / (weights - squares / weights)));
 }
 
-constexpr double kUseful = 0.05;  // a sigma of a logarithm beyond which a view tells nothing
+constexpr double kUseful = 0.05;  // views with a larger sigma of the logarithm give no information
 
 }  // namespace
 
