@@ -1,6 +1,6 @@
-// burin/render/fast/curve_kernel.h - the inner loop of burin/render/fast/tile_kernel.h for a groove whose light is a
-// curve across it (burin/render/fast/curve_tables.h). Tiles, pairs and pieces are the same; each piece reads a table in
-// place of section 4 of docs/model.md.
+// burin/render/fast/curve_kernel.h - the inner loop of tile_kernel.h for light as a curve across a groove
+// (burin/render/fast/curve_tables.h). Tiles, pairs and pieces are the same; each piece reads a table in place of
+// section 4 of docs/model.md.
 #pragma once
 
 #include <cstddef>

@@ -111,7 +111,7 @@ struct FastView::Data {
   // By tile * kTilePixels + place in the tile.
   std::vector<float> base;
   std::vector<float> base_slope;      // by base_alpha; empty without material
-  std::vector<float> factor;          // channels a pixel: F intensity direct
+  std::vector<float> factor;          // channels per pixel: F intensity direct
   std::vector<float> half;            // with sections: x and y of the half vector of the lamp's first point
   std::vector<std::uint8_t> visible;  // empty without ambient light
   std::array<float, 3> ambient{};

@@ -41,7 +41,7 @@ class FastView {
   FastView(const FastView&) = delete;
   FastView& operator=(const FastView&) = delete;
 
-  /// Whether curves approximate the scene well. They fail if half vectors do not change smoothly over the face.
+  /// True if curves approximate the scene well. They fail if half vectors do not change smoothly over the face.
   bool is_smooth() const;
   /// Required before the first forward() of a view with curves. Applies to the scratches of all later calls.
   void set_curves(std::shared_ptr<const CurveTables> curves);
@@ -51,11 +51,11 @@ class FastView {
   void add_contributions(std::vector<double>& contribution) const;
   /// Sums over the grooves of each of the picture's pixels, with all derivatives. Does not require `material`.
   void pixel_slopes(const Scratches& scratches, std::vector<PixelSlopes>& out);
-  /// Whether light in pixel_slopes() includes the lamp's strength, F intensity direct (the mean of the channels).
+  /// True if light in pixel_slopes() includes the lamp's strength, F intensity direct (the mean of the channels).
   bool has_lamp_curves() const;
   /// Pairs of pixels and strips; a burr is a strip next to its groove (burin/render/fast/groove_strips.h).
   std::size_t pair_count() const;
-  /// Whether backward() is possible: no other view has used the workspace since the forward().
+  /// True if backward() is possible: no other view has used the workspace since the forward().
   bool has_jacobian() const;
 
  private:

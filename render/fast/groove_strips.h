@@ -36,7 +36,7 @@ struct GrooveStrips {
   };
 
   std::size_t grooves = 0;
-  /// Of strip grooves + k: the index of its scratch, and the offset of its middle line from the scratch's, mm. Positive
+  /// Strip grooves + k: the index of its scratch, and the offset of its middle line from the scratch's, mm. Positive
   /// offsets are to the right (across, as in StripDirection).
   std::vector<std::uint32_t> owner;
   std::vector<double> aside_mm;

@@ -39,7 +39,7 @@ SectionNodes section_nodes(const GrooveProfile& profile, double width_um, double
 /// The wall's lean at node k, counted from the middle; k may be fractional.
 double lean_at_node(const GrooveProfile& profile, double width_um, SectionPart part, const SectionNodes& nodes,
                     double k);
-/// Whether a section has this part.
+/// True if a section has this part.
 bool has_part(const GrooveProfile& profile, SectionPart part);
 
 /// For grooves as in section_nodes(). `alpha` is a lower bound of the roughness.

@@ -19,7 +19,7 @@ constexpr double kGridError_px = 4 * kTile;
 /// Rounding of double computations, relative to the coordinates in them.
 constexpr double kRounding = 1e-11;
 
-/// Whether a strip and a box share a point, by separating axes of both. May be true within rounding.
+/// True if a strip and a box share a point, by separating axes of both. May be true within rounding.
 bool touches_box(const Strip& strip, const Eigen::Vector2d& low, const Eigen::Vector2d& high) {
   const Eigen::Vector2d d = strip.p1_mm - strip.p0_mm;
   const double length = d.norm();

@@ -62,7 +62,7 @@ class PixelIndex {
   void find_tiles(const Eigen::Vector2d& p0_mm, const Eigen::Vector2d& p1_mm, const Eigen::Vector2d& across_mm,
                   std::vector<std::uint32_t>& tiles) const;
 
-  /// 1 where a pixel has a footprint: finite corners, an area above 0. Row-major.
+  /// 1 for pixels with a footprint: finite corners and a positive area. Row-major.
   const std::vector<std::uint8_t>& has_footprint() const { return valid_; }
 
  private:

@@ -120,7 +120,7 @@ BURIN_FLATTEN inline void make_nodes(const SectionLeans& leans, const float* lig
   }
 }
 
-/// Whether two runs are on one line and have one curve.
+/// True if two runs are on one line and have one curve.
 inline bool same_line(const TileTask& task, std::uint32_t a, std::uint32_t b) {
   constexpr float kTurn = 1e-5F, kShift = 1e-3F;
   const TileRun &x = task.runs[a], &y = task.runs[b];
