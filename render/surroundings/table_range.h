@@ -16,7 +16,7 @@ struct TableRange {
 };
 TableRange table_range(const ViewScene& scene, const Scratches& scratches, bool by_alpha);
 
-/// Whether tables of a range also suit these scratches.
+/// True if tables of a range also suit these scratches.
 bool serves(const TableRange& range, const ViewScene& scene, const Scratches& scratches);
 
 }  // namespace burin
