@@ -16,7 +16,7 @@ namespace burin {
 /// ViewRenderer's work under a single lamp. The lamp may have an area only if takes_area().
 class LampView {
  public:
-  /// Whether the renderer integrates an area light itself. For the paper's grooves in float, points replace the area.
+  /// True if the renderer integrates an area light itself. For the paper's grooves in float, points replace the area.
   static bool takes_area(const ViewScene& scene, const RenderOptions& options) {
     return !options.use_double && !scene.material.profile.is_paper();
   }

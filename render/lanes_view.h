@@ -24,7 +24,7 @@
 
 namespace burin {
 
-/// Whether lanes can render a scene: it needs one near lamp and a face without a mesh.
+/// True if lanes can render a scene: it needs one near lamp and a face without a mesh.
 bool takes_lanes(const ViewScene& scene);
 
 /// Grooves and their visible lanes.

@@ -21,7 +21,7 @@ namespace burin {
 /// than the paper's, an area integral in the renderer.
 /// - backward() renders every lamp except the last once more.
 /// - Hidden pixels (ViewScene::hidden_from_light) belong to a single lamp, or to each light in order (`light`, then its
-/// `also`) if their number is large enough. Otherwise several lights reach all pixels. The sky and other environment
+/// `also`) if each light has its flags. Otherwise several lights reach all pixels. The sky and other environment
 /// maps always reach all pixels.
 class LightsView {
  public:

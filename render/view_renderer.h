@@ -28,7 +28,7 @@ class ViewRenderer {
   ViewRenderer(ViewRenderer&&) noexcept;
   ViewRenderer& operator=(ViewRenderer&&) noexcept;
 
-  int width() const;  ///< pixels of the view
+  int width() const;  ///< width of the view, pixels
   /// height of the view, pixels
   int height() const;
 

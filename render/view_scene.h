@@ -29,11 +29,11 @@ struct ViewScene {
   std::vector<std::uint8_t> hidden_from_light;
 };
 
-/// How a view is rendered.
+/// Options of the renderer.
 struct RenderOptions {
   int channels = 1;         ///< 1: mean of R, G, B, as a mono sensor sees it; 3: R, G, B
   bool use_double = false;  ///< slow double-precision reference
-  /// Whether forward_with_jacobian() also keeps derivatives by width, depth, alpha and base_alpha (always with
+  /// If true, forward_with_jacobian() also keeps derivatives by width, depth, alpha and base_alpha (always with
   /// use_double). Without them, designs with fixed width, depth and alpha are faster and need less memory.
   bool material_gradients = true;
   SimdWidth simd = SimdWidth::best;  ///< SIMD vectors of the fast path
