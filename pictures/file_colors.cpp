@@ -228,7 +228,7 @@ FileColors::Curve curve_kind(const std::vector<std::vector<double>>& light) {
                               : FileColors::Curve::other;
 }
 
-// Whether a profile's colors are sRGB's, tested on a few of them.
+// True if a profile's colors are sRGB's, tested on a few of them.
 bool shows_srgb(cmsHPROFILE profile) {
   if (cmsGetColorSpace(profile) != cmsSigRgbData) return false;
   const auto srgb = profile_handle(cmsCreate_sRGBProfile());

@@ -31,7 +31,7 @@ struct FileColors {
 /// curves of HDR displays (PQ, HLG).
 FileColors file_colors(const OIIO::ImageInput& input, const std::filesystem::path& file);
 
-/// Whether the file has a gain map (Ultra HDR, ISO 21496-1, Apple's): a second picture that brightens the first on HDR
+/// True if the file has a gain map (Ultra HDR, ISO 21496-1, Apple's): a second picture that brightens the first on HDR
 /// displays. Readers use the first.
 bool has_gain_map(const OIIO::ImageInput& input, const std::filesystem::path& file);
 

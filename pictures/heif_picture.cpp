@@ -62,7 +62,7 @@ void state_colors(const heif_image_handle* handle, OIIO::ImageSpec& spec) {
   }
 }
 
-/// Whether an auxiliary picture is a gain map, of Apple's type or of ISO 21496-1's.
+/// True if an auxiliary picture is a gain map, of Apple's type or of ISO 21496-1's.
 bool carries_gain_map(const heif_image_handle* handle) {
   const int count = heif_image_handle_get_number_of_auxiliary_images(
       handle, LIBHEIF_AUX_IMAGE_FILTER_OMIT_ALPHA | LIBHEIF_AUX_IMAGE_FILTER_OMIT_DEPTH);

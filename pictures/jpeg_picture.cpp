@@ -71,7 +71,7 @@ void count_scans(j_common_ptr info) {
   std::longjmp(decoder.back, 1);
 }
 
-/// Whether the scans contain all coefficients of all components, to their last bit.
+/// True if the scans contain all coefficients of all components, to their last bit.
 bool has_all_scans(const jpeg_decompress_struct& info) {
   for (int c = 0; c < info.num_components; ++c) {
     if (info.comp_info[c].quant_table == nullptr) return false;

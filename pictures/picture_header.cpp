@@ -25,7 +25,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Of two sizes in one file, the larger counts.
+/// The larger of two sizes in one file counts.
 void take(PictureHeader& header, std::int64_t width, std::int64_t height) {
   if (width <= 0 || height <= 0) return;
   if (static_cast<double>(width) * static_cast<double>(height) >
@@ -64,7 +64,7 @@ void jpeg_size(PictureBytes& file, PictureHeader& header) {
   file.broken("its segments do not end");
 }
 
-/// Whether the first bytes are those of a camera's raw file, except raw files that begin as a TIFF.
+/// True if the first bytes are those of a camera's raw file, except raw files that begin as a TIFF.
 bool is_raw_head(std::string_view head) {
   using namespace std::string_view_literals;
   for (const std::string_view raw : {"FUJIFILMCCD-RAW"sv, "IIU\0"sv, "IIRO"sv, "IIRS"sv, "MMOR"sv, "FOVb"sv, "\0MRM"sv})
@@ -73,7 +73,7 @@ bool is_raw_head(std::string_view head) {
          (head.size() >= 12 && head.substr(4, 8) == "ftypcrx "sv);
 }
 
-/// Whether a file that begins as a TIFF is a camera's raw file. Its directories or the bytes after its header (Canon,
+/// True if a file that begins as a TIFF is a camera's raw file. Its directories or the bytes after its header (Canon,
 /// Phase One) decide. Otherwise its name decides, because the makers' formats have no common mark.
 bool is_raw_tiff(std::string_view head, const std::vector<TiffDirectory>& directories, const fs::path& file) {
   const std::string_view mark = head.size() >= 12 ? head.substr(8, 4) : std::string_view();
@@ -102,7 +102,7 @@ void tiff_size(PictureBytes& file, PictureHeader& header) {
   if (!directories.empty()) require_parts_within(file, directories.front());
 }
 
-/// Whether the length of an EXR's attribute matches its type. OpenEXR reads by type and ignores the declared length, so
+/// True if the length of an EXR's attribute matches its type. OpenEXR reads by type and ignores the declared length, so
 /// a wrong one displaces all following data.
 bool is_as_long_as_its_type(std::string_view type, std::string_view value) {
   struct Fixed {
@@ -302,7 +302,7 @@ void each_png_chunk(PictureBytes& file, const Look& look) {
 }
 
 // libpng allocates the declared length of a note as a whole, for any length. Pixels come piece by piece. EXIF may
-// follow them, where OpenImageIO 2.4 ignores it.
+// follow them, and OpenImageIO 2.4 ignores it there.
 void png_size(PictureBytes& file, PictureHeader& header) {
   take(header, static_cast<std::int64_t>(file.big_endian(16, 4)), static_cast<std::int64_t>(file.big_endian(20, 4)));
   each_png_chunk(file, [&](const std::string& name, std::uintmax_t place, std::uintmax_t length) {
@@ -359,7 +359,7 @@ void refuse_hasselblad(PictureBytes& file, const std::vector<TiffDirectory>& dir
          "export it as a TIFF of 16 bits, linear, with the program that came with the camera");
 }
 
-/// Whether a file of boxes ("ftyp", ISO/IEC 14496-12, 4.3) holds pictures; video files have the same structure.
+/// True if a file of boxes ("ftyp", ISO/IEC 14496-12, 4.3) holds pictures; video files have the same structure.
 bool is_heif_head(std::string_view head) {
   using namespace std::string_view_literals;
   if (head.size() < 12 || head.substr(4, 4) != "ftyp"sv) return false;

@@ -18,10 +18,10 @@ struct PictureHeader {
 };
 
 /// Kind of a file by its first bytes; empty for a missing file or an unsupported one. Never throws. Names matter in one
-/// case only: a file that begins as a TIFF without a mark of a raw file is raw if cameras give such names to raw files.
+/// case only. A file that begins as a TIFF without a mark of a raw file is raw if has_raw_name().
 std::string picture_kind(const std::filesystem::path& file);
 
-/// Whether cameras give such names to raw files (".dng").
+/// True if cameras give such names to raw files (".dng").
 bool has_raw_name(const std::filesystem::path& file);
 
 /// Reads the header. Kinds, by their first bytes: PNG, JPEG, TIFF, EXR, Radiance HDR, HEIF (HEIC, AVIF), WebP, BMP,
