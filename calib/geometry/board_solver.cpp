@@ -24,7 +24,7 @@ constexpr double kFarView_px = 1.5;      // residual of a photo with another len
 constexpr double kFarFactor = 8;         // and its ratio to the residuals of the others
 constexpr double kOddView_px = 0.2;      // these limits for a known lens: such a photo resembles a noisy one, but
 constexpr double kOddFactor = 6;         // focus breathing of 2 % moves its camera by 2 % of its distance
-constexpr double kTornView = 0.3;        // share of outlier tags in one photo that fit the other photos
+constexpr double kTornView = 0.3;        // share of a photo's tags that are outliers there and fit the other photos
 
 // Priors for a lens that differs from all others: a digital zoom, or an enlarged crop.
 constexpr double kAnyShift = 0.1;                    // of the picture's longer side

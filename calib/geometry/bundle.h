@@ -97,7 +97,7 @@ struct BundleUncertainty {
   std::vector<std::string> not_determined;
 };
 
-/// How a solve ended.
+/// Result of a solve.
 struct BundleSummary {
   double cost = 0;  ///< half the sum of squares, priors included
   int iterations = 0;

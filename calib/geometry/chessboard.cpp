@@ -68,7 +68,7 @@ std::optional<double> saddle_at(const cv::Mat& gray, const cv::Point2f& at, cons
   return std::abs(sum);
 }
 
-// Whether squares continue beyond a side of the corners, which then are a part of a larger board. One step outside a
+// True if squares continue beyond a side of the corners, which then are a part of a larger board. One step outside a
 // whole board, its outermost squares meet the white margin, with half of the contrast.
 bool goes_on(const cv::Mat& gray, const Chessboard& board, const std::vector<cv::Point2f>& corners) {
   constexpr double kMeet = 0.75;
