@@ -139,26 +139,32 @@ std::string did_you_mean(const std::string& word, const std::vector<std::string>
                          CLI::ExitCodes::ExtrasError);
 }
 
-/// Names the first word that no option and no file of the command took.
-[[noreturn]] void fail_unexpected(const CLI::App& app) {
-  const CLI::App* command = &app;
-  std::string name = "burin";
-  for (auto parsed = command->get_subcommands(); !parsed.empty(); parsed = command->get_subcommands()) {
-    command = parsed.front();
-    name += " " + command->get_name();
-  }
-  const std::vector<std::string> words = app.remaining(true);
-  const auto option = std::find_if(words.begin(), words.end(), [](const std::string& w) { return w.starts_with("-"); });
-  const std::string word = option != words.end() ? option->substr(0, option->find('=')) : words.empty() ? "" : words[0];
-  std::string guess;
-  if (option != words.end()) {
+[[noreturn]] void fail_unexpected(const CLI::App& app, const CLI::App& command, const std::string& word) {
+  std::string name = command.get_name(), guess;
+  for (const CLI::App* of = command.get_parent(); of != nullptr; of = of->get_parent())
+    name = of->get_name() + " " + name;
+  if (word.starts_with("--")) {
     std::vector<std::string> names;
-    for (const CLI::App* from : {command, &app})
+    for (const CLI::App* from : {&command, &app})
       for (const CLI::Option* known : from->get_options())
         for (const std::string& one : known->get_lnames()) names.push_back("--" + one);
     guess = did_you_mean(word, names);
   }
   throw CLI::ExtrasError(fmt::format("{} does not take '{}'{}", name, word, guess), CLI::ExitCodes::ExtrasError);
+}
+
+/// CLI11 looks for options that are missing before it names one that is misspelled.
+void check_option_names(const CLI::App& app, const std::vector<std::string>& arguments) {
+  const CLI::App* command = &app;
+  for (const std::string& word : arguments) {
+    if (word == "--") return;
+    const auto named = command->get_subcommands([&](const CLI::App* one) { return one->get_name() == word; });
+    if (!named.empty()) command = named.front();
+    const std::string name = word.substr(0, word.find('='));
+    if (name.starts_with("--") && command->get_option_no_throw(name) == nullptr &&
+        app.get_option_no_throw(name) == nullptr)
+      fail_unexpected(app, *command, name);
+  }
 }
 
 void parse(CLI::App& app, const std::vector<std::string>& arguments) {
@@ -167,11 +173,15 @@ void parse(CLI::App& app, const std::vector<std::string>& arguments) {
   const auto is_named = [&](const CLI::App* command) { return command->get_name() == arguments[at]; };
   if (at < arguments.size() && !arguments[at].starts_with('-') && app.get_subcommands(is_named).empty())
     fail_unknown_command(app, arguments[at]);
+  check_option_names(app, arguments);
   try {
     // CLI11 takes the arguments as a stack, the first on top.
     app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
   } catch (const CLI::ExtrasError&) {
-    fail_unexpected(app);
+    const CLI::App* command = &app;
+    while (!command->get_subcommands().empty()) command = command->get_subcommands().front();
+    const std::vector<std::string> words = app.remaining(true);
+    fail_unexpected(app, *command, words.empty() ? "" : words.front());
   }
 }
 
