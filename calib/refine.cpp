@@ -190,9 +190,11 @@ struct RefineRun {
   void find_large_lamps();
   void choose_crossings();
   void fit_middle();
-  void refuse_other_grooves(const std::vector<std::size_t>& photos) const;
+  void refuse_other_grooves(const std::string& seen) const;
+  std::string missing_in(const std::vector<std::size_t>& photos) const;
   void refuse_another_board();
   void compare_grooves();
+  void compare_finest_grooves();
   void drop_spots();
   void find_spots();
   void drop_stray();
@@ -389,15 +391,19 @@ void RefineRun::fit_middle() {
 }
 
 // Photos of another board have tags that fit, and every number that is fitted to them is a phantom's.
-void RefineRun::refuse_other_grooves(const std::vector<std::size_t>& photos) const {
-  std::string list;
-  for (const std::size_t k : photos)
-    list += (list.empty() ? "" : ", ") + out.bench.views[data.photos[k].photo.view].name;
+void RefineRun::refuse_other_grooves(const std::string& seen) const {
   fail(board.scratches.empty() ? "the scratches" : board.scratches.string(),
        "the grooves in the photos are not the ones that it lists: are these photos of another board, or of another "
        "round? (" +
-           counted(photos.size(), "photo") + ", of views " + list + ", show none of them at its place)",
+           seen + ")",
        "give the photos of the board that was carved from it, or name the scratches of the board that they show");
+}
+
+std::string RefineRun::missing_in(const std::vector<std::size_t>& photos) const {
+  std::string list;
+  for (const std::size_t k : photos)
+    list += (list.empty() ? "" : ", ") + out.bench.views[data.photos[k].photo.view].name;
+  return counted(photos.size(), "photo") + ", of views " + list + ", show none of them at its place";
 }
 
 // After the first fit only a plain case is refused. The fits that follow would look for long in such photos.
@@ -408,7 +414,7 @@ void RefineRun::refuse_another_board() {
   const std::vector<std::size_t> other = photos_of_other_grooves(agreements);
   const bool plain =
       std::all_of(other.begin(), other.end(), [&](std::size_t k) { return agreements[k].share < kPlainly; });
-  if (!other.empty() && plain && 2 * other.size() > data.photos.size()) refuse_other_grooves(other);
+  if (!other.empty() && plain && 2 * other.size() > data.photos.size()) refuse_other_grooves(missing_in(other));
 }
 
 void RefineRun::compare_grooves() {
@@ -419,12 +425,28 @@ void RefineRun::compare_grooves() {
   if (other.empty()) return;
   const auto telling = static_cast<std::size_t>(
       std::count_if(agreements.begin(), agreements.end(), [](const GrooveAgreement& a) { return a.tells; }));
-  if (2 * other.size() > telling) refuse_other_grooves(other);
+  if (2 * other.size() > telling) refuse_other_grooves(missing_in(other));
   for (const std::size_t k : other) {  // reported when it is known whether a lamp's move explains them
     const std::string& view = out.bench.views[data.photos[k].photo.view].name;
     if (std::find(out.other_grooves.begin(), out.other_grooves.end(), view) == out.other_grooves.end())
       out.other_grooves.push_back(view);
   }
+}
+
+// Runs when the fit predicts each groove's place to a part of a pixel. Before, a board of the same pictures looks like
+// this one.
+void RefineRun::compare_finest_grooves() {
+  tell("comparing single grooves", 0);
+  const SingleGrooves seen = compare_single_grooves(data, views, out.bench, state);
+  const std::string share = significant(seen.share, 2) + " +- " + significant(seen.sigma, 1);
+  if (shows_other_grooves(seen))
+    refuse_other_grooves("of what single grooves add to the pictures they show " + share + ", and own photos show 1");
+  if (shows_these_grooves(seen)) return;
+  out.findings.push_back(make_warning(
+      "the photos are too coarse to know the board by single grooves" +
+          (seen.photos == 0 ? std::string() : ": they show " + share + " of what these add to the pictures") +
+          "; photos of another board of the same pictures would make roughness and depth wrong",
+      "make sure that they show the board that was carved from these scratches; nearer photos show single grooves"));
 }
 
 // A spot whose fall-off the photos do not show is a bare lamp: its aim and exponent would only trade with each other,
@@ -847,6 +869,7 @@ void RefineRun::count_own_lenses() {
 }
 
 void RefineRun::judge() {
+  compare_finest_grooves();
   tell("judging the result", 0);
   light_around(state, data);
   if (!uncertainty) uncertainty = uncertainty_of(data, stage, state);

@@ -3,9 +3,15 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
+#include <map>
+#include <numeric>
+#include <random>
+#include <utility>
 
 #include "burin/base/median.h"
 #include "burin/calib/photo/carved_states.h"
+#include "burin/scene/blur.h"
 
 namespace burin {
 namespace {
@@ -39,6 +45,64 @@ Sums compare_predictions(const PhotoData& photo, double model_error, const Image
     ++sums.pixels;
   }
   return sums;
+}
+
+// Shifts each scratch by one distance to a random side. The pictures remain; single grooves do not.
+Sent scratches_to_either_side(const Sent& sent, double aside_mm, std::uint64_t seed) {
+  Sent out = sent;
+  Scratches& s = out.scratches;
+  std::mt19937_64 random(seed);
+  for (std::size_t i = 0; i < s.size(); ++i) {
+    const double dx = s.x1_mm[i] - s.x0_mm[i], dy = s.y1_mm[i] - s.y0_mm[i], length_mm = std::hypot(dx, dy);
+    if (!(length_mm > 0)) continue;
+    const double by = ((random() & 1) != 0 ? aside_mm : -aside_mm) / length_mm;
+    s.x0_mm[i] -= by * dy, s.x1_mm[i] -= by * dy;
+    s.y0_mm[i] += by * dx, s.y1_mm[i] += by * dx;
+  }
+  return out;
+}
+
+constexpr double kFinePx = 1;  // sigma of the Gaussian that is taken off
+
+// The pixels less their Gaussian mean, over pixels with a weight.
+Image fine_part(const Image& image, const PhotoData& photo) {
+  Image value(image.width, image.height, 1), counts = value;
+  for (std::size_t i = 0; i < value.data.size(); ++i)
+    if (photo.weight[i] > 0) value.data[i] = image.data[i], counts.data[i] = 1;
+  const Image smooth = blurred(value, kFinePx), share = blurred(counts, kFinePx);
+  for (std::size_t i = 0; i < value.data.size(); ++i)
+    value.data[i] = counts.data[i] > 0 ? value.data[i] - smooth.data[i] / share.data[i] : 0;
+  return value;
+}
+
+struct FineShare {
+  double share = 0, sigma = 1;
+};
+
+// Least squares of the photo on `own`, weighted by `single`, the contribution of single grooves to it. Sums over
+// squares of pixels sample all else: noise, dust, other grooves, model error.
+FineShare fine_share(const PhotoData& photo, const Image& own, const Image& single) {
+  constexpr double kUsualError = 0.3, kLocalPx = 4;  // what is bright counts no more for that
+  constexpr int kSquarePx = 24;
+  constexpr std::size_t kFewest = 12;  // squares
+  const Image seen_fine = fine_part(photo.photo.value, photo), own_fine = fine_part(own, photo),
+              single_fine = fine_part(single, photo), local = blurred(own, kLocalPx);
+  std::map<std::pair<int, int>, std::array<double, 2>> squares;
+  for (int y = 0, i = 0; y < own.height; ++y)
+    for (int x = 0; x < own.width; ++x, ++i) {
+      if (!(photo.weight[i] > 0)) continue;
+      const double weight =
+          single_fine.data[i] / (std::pow(photo.photo.sigma.data[i], 2) + std::pow(kUsualError * local.data[i], 2));
+      auto& [seen, foretold] = squares[{y / kSquarePx, x / kSquarePx}];
+      seen += weight * seen_fine.data[i];
+      foretold += weight * own_fine.data[i];
+    }
+  double seen = 0, foretold = 0, scatter2 = 0;
+  for (const auto& [place, sums] : squares) seen += sums[0], foretold += sums[1];
+  if (squares.size() < kFewest || !(foretold > 0)) return {};
+  const double share = seen / foretold;
+  for (const auto& [place, sums] : squares) scatter2 += std::pow(sums[0] - share * sums[1], 2);
+  return {share, std::sqrt(scatter2) / foretold};
 }
 
 }  // namespace
@@ -79,6 +143,58 @@ std::vector<GrooveAgreement> groove_agreements(const Problem& data, const State&
   }
   return out;
 }
+
+SingleGrooves compare_single_grooves(const Problem& data, const std::vector<LightView>& views, const Bench& bench,
+                                     const State& state) {
+  constexpr std::size_t kMostPhotos = 8, kDraws = 2, kFewestPhotos = 3;
+  constexpr double kAsidePx = 1, kTelling = 0.25;
+  std::vector<std::size_t> nearest(views.size());
+  std::iota(nearest.begin(), nearest.end(), std::size_t{0});
+  std::stable_sort(nearest.begin(), nearest.end(),
+                   [&](std::size_t a, std::size_t b) { return pixel_mm(views[a], bench) < pixel_mm(views[b], bench); });
+  nearest.resize(std::min(nearest.size(), kMostPhotos));
+  const double aside_mm = kAsidePx * pixel_mm(views[nearest[nearest.size() / 2]], bench);
+  ModelData model = data.model;
+  model.sample = {};
+  const Carved own = carved_at(model, state.of(0));
+  std::vector<Carved> aside;
+  for (std::size_t draw = 0; draw < kDraws; ++draw) {
+    const Sent moved = scratches_to_either_side(*data.model.sent, aside_mm, draw);
+    model.sent = &moved;
+    aside.push_back(carved_at(model, state.of(0)));
+  }
+  model.sent = data.model.sent;
+  std::vector<FineShare> shares(nearest.size());
+  each_photo(nearest.size(), photos_at_once(model), [&](std::size_t n) {
+    const double blur_px = std::exp(state.shared[unknown::log_blur]);
+    const std::vector<LightView> view{views[nearest[n]]};
+    PhotoData photo = std::move(photos_at(view, 1, *model.board, bench, blur_px).front());
+    const Unknowns x = state.of(photo.photo.light);
+    light_around(x, own, photo);
+    const Image whole = predict(model, photo, x, own);
+    Image single = whole;
+    for (const Carved& carved : aside) {
+      const Image other = predict(model, photo, x, carved);
+      for (std::size_t i = 0; i < single.data.size(); ++i) single.data[i] -= other.data[i] / static_cast<float>(kDraws);
+    }
+    shares[n] = fine_share(photo, whole, single);
+  });
+  std::vector<double> telling;
+  double sigma2 = 0;
+  for (const FineShare& one : shares) {
+    if (!(one.sigma < kTelling)) continue;
+    telling.push_back(one.share);
+    sigma2 += one.sigma * one.sigma;
+  }
+  if (telling.size() < kFewestPhotos) return {telling.size()};
+  const auto count = static_cast<double>(telling.size());
+  constexpr double kOfMedian = 1.25;  // its standard error over the mean's
+  return {telling.size(), median_of(telling), kOfMedian * std::sqrt(sigma2) / count};
+}
+
+// docs/calibration.md has what was measured: own grooves 0.9 to 1.1, boards of the same pictures 0.2 to 0.45.
+bool shows_other_grooves(const SingleGrooves& seen) { return seen.share + 2 * seen.sigma < 0.7; }
+bool shows_these_grooves(const SingleGrooves& seen) { return seen.share - 2 * seen.sigma > 0.7; }
 
 std::vector<std::size_t> photos_of_other_grooves(const std::vector<GrooveAgreement>& agreements) {
   // docs/results/calibration.md has the measurements. Most photos together decide about another board; a single photo

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "burin/calib/verdict/groove_agreement.h"
+#include "tests/calib/small_grooves.h"
 
 namespace burin {
 namespace {
@@ -76,6 +77,46 @@ TEST(GrooveAgreement, OnePhotoOfAnotherBoardIsNamedAndManyAreNotAFit) {
   const GrooveAgreement poor{true, 0.37, 110};  // the worst of rig f's own, far from the fit's end
   EXPECT_TRUE(photos_of_other_grooves({own, own, poor, own}).empty());
   EXPECT_TRUE(photos_of_other_grooves({nothing, nothing, nothing}).empty());
+}
+
+// Photos whose pixels vary, of these grooves and of others of the same picture: each elsewhere by a millimeter or two.
+// From afar both are the same board.
+TEST(GrooveAgreement, SingleGroovesTellABoardOfTheSamePictures) {
+  SmallGrooves own, other;
+  fill_small_grooves(own, 11);
+  std::mt19937_64 random = fill_small_grooves(other, 11);
+  std::normal_distribution<double> normal;
+  Scratches& moved = other.sent.scratches;
+  for (std::size_t i = 0; i < moved.size(); ++i) {
+    const double x_mm = 1.2 * normal(random), y_mm = 1.2 * normal(random);
+    moved.x0_mm[i] += x_mm, moved.x1_mm[i] += x_mm;
+    moved.y0_mm[i] += y_mm, moved.y1_mm[i] += y_mm;
+  }
+  for (SmallGrooves* carved : {&own, &other})
+    for (const double noise : {0.02, 30.0}) {
+      SmallGrooves s;
+      fill_small_grooves(s, 11);
+      std::vector<LightView> views;
+      for (int k = 0; k < 6; ++k) {
+        LightView& view = views.emplace_back(add_view(s, k));
+        view.value = predict(carved->data.model, make_photo_data(view, 1, s.board, s.bench, 2), s.truth.of(0),
+                             carved_at(carved->data.model, s.truth.of(0)));
+        float brightest = 0;
+        for (const float value : view.value.data) brightest = std::max(brightest, value);
+        for (std::size_t i = 0; i < view.value.data.size(); ++i) {
+          view.sigma.data[i] = static_cast<float>(noise * brightest);
+          view.value.data[i] += static_cast<float>(noise * brightest * normal(random));
+        }
+      }
+      const SingleGrooves seen = compare_single_grooves(s.data, views, s.bench, s.truth);
+      if (noise > 1) {
+        EXPECT_FALSE(shows_other_grooves(seen) || shows_these_grooves(seen)) << seen.share << " +- " << seen.sigma;
+        continue;
+      }
+      EXPECT_NEAR(seen.share, carved == &own ? 1 : 0, carved == &own ? 0.1 : 0.4) << seen.sigma;
+      EXPECT_EQ(shows_these_grooves(seen), carved == &own) << seen.share << " +- " << seen.sigma;
+      EXPECT_EQ(shows_other_grooves(seen), carved == &other) << seen.share << " +- " << seen.sigma;
+    }
 }
 
 }  // namespace
