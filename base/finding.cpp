@@ -7,6 +7,18 @@
 
 namespace burin {
 
+const char* in_words(Finding::Severity severity) {
+  switch (severity) {
+    case Finding::Severity::note:
+      return "note";
+    case Finding::Severity::warning:
+      return "warning";
+    case Finding::Severity::error:
+      break;
+  }
+  return "error";
+}
+
 Finding make_warning(std::string what, std::string remedy) {
   return {Finding::Severity::warning, {}, std::move(what), std::move(remedy)};
 }

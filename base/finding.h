@@ -7,7 +7,7 @@
 
 namespace burin {
 
-/// Errors stop the work, warnings do not, notes report assumptions.
+/// Note: nothing to do. Warning: the result may be worse. Error: the work stopped, or its result must not be carved.
 struct Finding {
   /// Severity of a diagnostic.
   enum class Severity { note, warning, error };
@@ -15,6 +15,9 @@ struct Finding {
   std::filesystem::path file;  ///< the photo, or another file; empty for the whole work
   std::string what, remedy;    ///< clauses without a full stop
 };
+
+/// "note", "warning" or "error", as people and programs read it.
+const char* in_words(Finding::Severity severity);
 
 /// A warning about the whole work.
 Finding make_warning(std::string what, std::string remedy = "");

@@ -174,12 +174,8 @@ void add_capture_command(CLI::App& burin) {
     int errors = 0;
     std::string first;
     for (const Finding& finding : result.findings) {
-      if (finding.severity == Finding::Severity::error) {
-        if (++errors == 1) first = sentence(finding);
-        tell("error: " + sentence(finding) + "\n");
-      } else {
-        note(finding);
-      }
+      note(finding);
+      if (finding.severity == Finding::Severity::error && ++errors == 1) first = sentence(finding);
     }
     if (result.written.empty())
       fail(options->photos.string(),

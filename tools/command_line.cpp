@@ -81,7 +81,7 @@ std::unique_ptr<CLI::App> make_app() {
           "unless given, here or as BURIN_SIMD); the same ones give the same design on another machine")
       ->type_name("NAME");
   // take_output_mode() removes these before parsing (tools/output_mode.h). Here they only appear in --help.
-  burin->add_flag("--quiet")->description("Say nothing but notes and errors");
+  burin->add_flag("--quiet")->description("Print only notes, warnings and errors");
   burin->add_flag("--json")->description("Say all in one JSON object when it is done");
   const auto group = [&](const char* name, std::initializer_list<void (*)(CLI::App&)> commands) {
     const std::size_t before = burin->get_subcommands({}).size();

@@ -26,7 +26,8 @@
 // - Contradictory options throw CLI::ValidationError: exit code 2.
 // - Results go to stdout. The last line names the result and the next command, ready to paste, with all needed options
 //   (shell_word). Capitals stand for values of the user.
-// - Findings that do not stop the work ("note: ...") go to stderr through note(). A command prints nothing else.
+// - Findings that do not stop the work go to stderr under their severity ("note: ...", "warning: ..."), through note().
+//   A command prints nothing else.
 // - Commands write complete outputs only (write_atomically), and make folders with make_output_folder.
 // - `--help` ends with a working example.
 #pragma once
@@ -113,8 +114,12 @@ void print_text(fmt::format_string<T...> format, T&&... values) {
   say_text(fmt::format(format, std::forward<T>(values)...));
 }
 
-/// Prints a finding that does not stop the work to stderr: a rejected photo, an assumed value.
+/// Prints a fact that needs no action to stderr: an assumed value, an unchanged file.
 inline void note(const std::string& sentence) { tell("note: " + sentence + "\n"); }
-inline void note(const Finding& finding) { note(sentence(finding)); }
+
+/// The same of a finding, under its severity: "warning: ...".
+inline void note(const Finding& finding) {
+  tell(std::string(in_words(finding.severity)) + ": " + sentence(finding) + "\n");
+}
 
 }  // namespace burin

@@ -91,11 +91,13 @@ Json as_json(const std::vector<std::string>& arguments, int exit_code, const std
   if (const std::size_t at = place_of_command(arguments); at < arguments.size()) json["command"] = arguments[at];
   json["exit_code"] = exit_code;
   json["said"] = lines_of(out);
-  for (const char* list : {"notes", "errors", "files"}) json[list] = Json::array();
+  for (const char* list : {"notes", "warnings", "errors", "files"}) json[list] = Json::array();
   for (const std::string& line : lines_of(err)) {
-    constexpr std::string_view kNote = "note: ", kError = "error: ", kBurin = "burin: ";
+    constexpr std::string_view kNote = "note: ", kWarning = "warning: ", kError = "error: ", kBurin = "burin: ";
     if (line.starts_with(kNote))
       json["notes"].push_back(line.substr(kNote.size()));
+    else if (line.starts_with(kWarning))
+      json["warnings"].push_back(line.substr(kWarning.size()));
     else if (line.starts_with(kError))
       json["errors"].push_back(line.substr(kError.size()));
     else

@@ -10,7 +10,7 @@ namespace burin {
 /// Form of a command's messages. Its files and its exit code do not depend on it.
 enum class OutputMode {
   words,  ///< for people
-  quiet,  ///< notes and errors only, on stderr at the end; no progress bar
+  quiet,  ///< notes, warnings and errors only, on stderr at the end; no progress bar
   json    ///< one JSON object on stdout at the end, nothing else
 };
 
@@ -36,8 +36,8 @@ void say_meanwhile(const std::string& sentence);
 
 /// Runs `work`, which returns an exit code, in the given mode. `arguments` are the command's, without the mode. The
 /// JSON object:
-///   { "burin": "0.1.0", "command": "capture", "exit_code": 0, "said": [lines], "notes": [..], "errors": [..],
-///     "files": [written files], "next": "burin calibrate ..." }
+///   { "burin": "0.1.0", "command": "capture", "exit_code": 0, "said": [lines], "notes": [..], "warnings": [..],
+///     "errors": [..], "files": [written files], "next": "burin calibrate ..." }
 /// "next" exists if the command names a next command. Throws Error if the output cannot be captured.
 int run_in_mode(OutputMode mode, const std::vector<std::string>& arguments, const std::function<int()>& work);
 

@@ -50,7 +50,7 @@ TEST(CaptureCommand, TakesWhatSimulateWrote) {
       run_burin(folder, {"capture", "bench/photos", "--board", "bench/board.json", "--out", "again"});
   EXPECT_EQ(capture.exit_code, 0) << capture.err;
   EXPECT_THAT(capture.out, HasSubstr("again/session.json: 2 photos of 2 views"));
-  EXPECT_THAT(capture.err, HasSubstr("note: there are photos from 2 places only"));
+  EXPECT_THAT(capture.err, HasSubstr("warning: there are photos from 2 places only"));
   EXPECT_TRUE(std::filesystem::exists(folder / "again/session.json"));
 }
 

@@ -112,6 +112,7 @@ TEST(CommandLine, JsonSaysAllInOneObject) {
   EXPECT_EQ(said["exit_code"], 0);
   EXPECT_EQ(said["notes"].size(), 2U) << said;
   EXPECT_THAT(said["next"].get<std::string>(), ::testing::StartsWith("burin capture PHOTOS_DIR --board /"));
+  EXPECT_TRUE(said["warnings"].empty());
   EXPECT_TRUE(said["errors"].empty());
   const Outcome not_done = run_burin(folder, {"--json", "plan", "none.json"});
   EXPECT_EQ(not_done.exit_code, 1);

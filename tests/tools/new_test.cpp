@@ -257,7 +257,7 @@ TEST_F(NewProjectTest, IsReadByTheOrdinaryReadersAndPreviewed) {
   const Outcome made =
       make({"my board", "--board", "12x9cm", "--pictures", "a.png", "b.png", "c.png", "--scratches", "600"});
   ASSERT_EQ(made.exit_code, 0) << made.err;
-  EXPECT_THAT(made.err, Not(HasSubstr("note:")));
+  EXPECT_THAT(made.err, AllOf(Not(HasSubstr("note:")), Not(HasSubstr("warning:"))));
   EXPECT_THAT(made.out, AllOf(HasSubstr("next: burin loop 'my board'"), HasSubstr(" dB"),
                               HasSubstr("b.png, 150 x 100 on 88 x 58 mm: fits"),
                               HasSubstr("Not said, so taken: --camera phone")));
@@ -295,7 +295,7 @@ TEST_F(NewProjectTest, NotesNameFilesWhereTheyAreInTheEnd) {
   write_picture(night, folder_ / "night.png");
   const Outcome made = make({"p", "--pictures", "night.png", "--scratches", "300"});
   ASSERT_EQ(made.exit_code, 0) << made.err;
-  EXPECT_THAT(made.err, HasSubstr("note: p/targets/night.png: is nearly black"));
+  EXPECT_THAT(made.err, HasSubstr("warning: p/targets/night.png: is nearly black"));
 }
 
 TEST_F(NewProjectTest, BoardsInInchesAreEchoedAndBareSmallOnesAskedFor) {
