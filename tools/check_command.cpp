@@ -180,11 +180,11 @@ void check_before_carving(const CarveOptions& options, const CLI::App& command) 
   bar.clear();
   print_text("{}", carve_check_text(check));
   if (!check.good()) {
-    const auto red = std::count_if(check.findings.begin(), check.findings.end(),
-                                   [](const Finding& f) { return f.severity == Finding::Severity::error; });
+    const auto errors = std::count_if(check.findings.begin(), check.findings.end(),
+                                      [](const Finding& f) { return f.severity == Finding::Severity::error; });
     std::fflush(stdout);
-    fail(page.string(), "do not carve this: " + counted(static_cast<std::size_t>(red), "red line"),
-         "open it in a browser and mend what it says");
+    fail(page.string(), "do not carve this: " + counted(static_cast<std::size_t>(errors), "error"),
+         "open it in a browser and correct what it says");
   }
   print_text("{}\nWrote {}: open it in a browser, and carve if it is as you want it.\n", carve_question(checked, files),
              page.string());
@@ -194,7 +194,8 @@ void add_carve_check(CLI::App& check) {
   auto options = std::make_shared<CarveOptions>();
   CarveCheckFiles& files = options->files;
   CLI::App* carve = check.add_subcommand(
-      "carve", "Before metal moves: one page of what the G-code will do to the board, and what would spoil it in red");
+      "carve",
+      "Before metal moves: one page of what the G-code will do to the board, and the errors that would spoil it");
   carve
       ->add_option("SCRATCHES.csv", options->what,
                    "The scratches that are to be carved, or the folder of a loop's round; in a project, its machine, "
@@ -212,7 +213,7 @@ void add_carve_check(CLI::App& check) {
   carve->add_option("--out", options->out, "The page (carve-check.html in the round's or the working folder)");
   carve->footer(example("burin check carve round-01\n"
                         "  burin check carve scratches.csv --board board.json --gcode board.gcode --out check.html") +
-                "\nExit code 1 if there is a red line.");
+                "\nExit code 1 if there is an error.");
   carve->callback([options, carve] { check_before_carving(*options, *carve); });
 }
 

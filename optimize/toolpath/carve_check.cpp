@@ -206,7 +206,7 @@ void judge_places(const Work& work, CarveCheck& check) {
   std::map<std::string, Broken> over;
   const auto count = [&](Broken& broken, std::size_t i) {
     if (broken.count++ == 0) broken.first = i;
-    if (check.red.empty() || check.red.back() != i) check.red.push_back(i);
+    if (check.faulty.empty() || check.faulty.back() != i) check.faulty.push_back(i);
   };
   for (std::size_t i = 0; i < check.carved.size(); ++i) {
     const Ends e = ends_of(check.carved, i);

@@ -53,9 +53,9 @@ struct ViewReach {
 struct CarveCheck {
   std::vector<Finding> findings;  ///< errors first, then warnings, then notes
   std::vector<CheckedFile> files;
-  Scratches carved;                ///< grooves on the board, in carving order
-  std::vector<std::size_t> red;    ///< rows of `carved` with an error
-  std::size_t already_carved = 0;  ///< number of the designed scratches already in the metal
+  Scratches carved;                 ///< grooves on the board, in carving order
+  std::vector<std::size_t> faulty;  ///< rows of `carved` with an error
+  std::size_t already_carved = 0;   ///< number of the designed scratches already in the metal
   Eigen::Vector3d tool_min_mm{0, 0, 0}, tool_max_mm{0, 0, 0};  ///< all commanded places
   double least_depth_um = 0, most_depth_um = 0;                ///< commanded depths
   double least_made_um = 0, most_made_um = 0;                  ///< groove depths by the measured bench

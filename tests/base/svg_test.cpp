@@ -46,7 +46,7 @@ TEST(Decimals, SentencesHaveTheDigitsThatMeanSomething) {
   EXPECT_EQ(significant(1e300, 3), "1e+300") << "no sentence of 300 digits";
   EXPECT_EQ(counted(1, "scratch"), "1 scratch");
   EXPECT_EQ(counted(0, "scratch"), "0 scratches");
-  EXPECT_EQ(counted(2, "red line"), "2 red lines");
+  EXPECT_EQ(counted(2, "more line"), "2 more lines");
   EXPECT_EQ(significant(-0.5), "-0.5");
   EXPECT_EQ(significant(5.64), "5.6");
   EXPECT_EQ(significant(562.4), "562");

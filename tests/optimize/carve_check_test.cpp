@@ -1,5 +1,5 @@
 // Proves: the check before metal moves finds what would spoil a board in the files themselves. One good job, and one
-// change at a time that a person or a program could make to it; each is a red line that says which.
+// change at a time that a person or a program could make to it; each is an error that says which.
 #include "burin/optimize/toolpath/carve_check.h"
 
 #include <gmock/gmock.h>
@@ -78,7 +78,7 @@ class CarveChecked : public ::testing::Test {
     return text.substr(begin, end - begin);
   }
 
-  static std::string red(const CarveCheck& check) {
+  static std::string errors(const CarveCheck& check) {
     std::string lines;
     for (const Finding& f : check.findings)
       if (f.severity == Finding::Severity::error) lines += sentence(f) + "\n";
@@ -92,11 +92,11 @@ class CarveChecked : public ::testing::Test {
   Scratches scratches_;
 };
 
-TEST_F(CarveChecked, AGoodJobHasNoRedLine) {
+TEST_F(CarveChecked, AGoodJobHasNoError) {
   bench_.machine_affine << 1.001, 0, 0.2, 0, 0.999, -0.1;
   const CarveCheck check = check_carve(written());
-  EXPECT_EQ(red(check), "");
-  EXPECT_TRUE(check.red.empty());
+  EXPECT_EQ(errors(check), "");
+  EXPECT_TRUE(check.faulty.empty());
   ASSERT_EQ(check.files.size(), 2u);
   EXPECT_EQ(check.files[0].scratches, 100u);
   EXPECT_EQ(check.files[1].scratches, 0u);  // the frame
@@ -110,7 +110,7 @@ TEST_F(CarveChecked, AGoodJobHasNoRedLine) {
   for (std::size_t i = 0; i < 100; ++i) worst = std::min(worst, std::abs(check.carved.x1_mm[i] - scratches_.x0_mm[0]));
   EXPECT_LT(worst, 1e-3);
   for (const char* machine : {"grbl-spring", "linuxcnc", "marlin", "laser-z"})
-    EXPECT_EQ(red(check_carve(written(machine))), "") << machine;
+    EXPECT_EQ(errors(check_carve(written(machine))), "") << machine;
 }
 
 // Nobody measured what crossings leave, and many grooves cross: a word of it. Not of few, nor where it is known.
@@ -138,25 +138,25 @@ TEST_F(CarveChecked, BacklashIsUndoneEitherWay) {
   ToolpathOptions short_way;
   short_way.keep_order = false;
   const CarveCheckInput input = written("grbl", short_way);
-  EXPECT_EQ(red(check_carve(input)), "");
+  EXPECT_EQ(errors(check_carve(input)), "");
   // Without backlash the files are others.
   CarveCheckInput even = input;
   even.bench->machine_errors.backlash_mm.setZero();
-  EXPECT_THAT(red(check_carve(even)), HasSubstr("scratches lost"));
+  EXPECT_THAT(errors(check_carve(even)), HasSubstr("scratches lost"));
 }
 
 TEST_F(CarveChecked, OverATag) {
   const CarveCheckInput input = written();
   change(first_scratch(), "G0 X12 Y12\nG1 Z-0.014 F300\nG1 X15 Y13 F1200\nG0 Z1\n");
   const CarveCheck check = check_carve(input);
-  EXPECT_THAT(red(check), AllOf(HasSubstr("1 scratch would be carved over tag 3"), HasSubstr("(12.00, 12.00)"),
-                                HasSubstr("never asked for"), HasSubstr("leave the carve area")));
-  EXPECT_EQ(check.red.size(), 1u);
+  EXPECT_THAT(errors(check), AllOf(HasSubstr("1 scratch would be carved over tag 3"), HasSubstr("(12.00, 12.00)"),
+                                   HasSubstr("never asked for"), HasSubstr("leave the carve area")));
+  EXPECT_EQ(check.faulty.size(), 1u);
   // Also where the table asks for it: the tag is one that the design did not know.
   CarveCheckInput other = written();
   other.board.tags.list.push_back({8, {scratches_.x0_mm[4], scratches_.y0_mm[4]}, 4, 0});
   other.board.carve_min_mm = {0, 0};
-  EXPECT_THAT(red(check_carve(other)), HasSubstr("over tag 8"));
+  EXPECT_THAT(errors(check_carve(other)), HasSubstr("over tag 8"));
 }
 
 TEST_F(CarveChecked, OverAKeepOutOnlyWithAGroovesWidth) {
@@ -164,24 +164,24 @@ TEST_F(CarveChecked, OverAKeepOutOnlyWithAGroovesWidth) {
   scratches_.x0_mm = {90}, scratches_.x1_mm = {110}, scratches_.y0_mm = {50}, scratches_.y1_mm = {50};
   const auto at = [&](double off) {
     scratches_.y0_mm = {50 + off}, scratches_.y1_mm = {50 + off};
-    return red(check_carve(written()));
+    return errors(check_carve(written()));
   };
   EXPECT_EQ(at(5.06), "");
   CarveCheckInput input = written();
   change("Y55.0600", "Y55.0400");
   change("Y55.0600", "Y55.0400");
-  EXPECT_THAT(red(check_carve(input)), HasSubstr("over hole"));
+  EXPECT_THAT(errors(check_carve(input)), HasSubstr("over hole"));
 }
 
 TEST_F(CarveChecked, OffTheSheet) {
   const CarveCheckInput input = written();
   change(first_scratch(), "G0 X198 Y50\nG1 Z-0.014 F300\nG1 X201 Y50 F1200\nG0 Z1\n");
-  EXPECT_THAT(red(check_carve(input)), HasSubstr("1 scratch would run off the sheet"));
+  EXPECT_THAT(errors(check_carve(input)), HasSubstr("1 scratch would run off the sheet"));
   // A map that the file does not know of: carved 25 mm lower than told.
   CarveCheckInput moved = written();
   moved.scratches.reset();
   moved.bench->machine_affine(1, 2) = -45;
-  EXPECT_THAT(red(check_carve(moved)), HasSubstr("run off the sheet"));
+  EXPECT_THAT(errors(check_carve(moved)), HasSubstr("run off the sheet"));
 }
 
 TEST_F(CarveChecked, DepthUnderTheBow) {
@@ -189,20 +189,21 @@ TEST_F(CarveChecked, DepthUnderTheBow) {
   const CarveCheckInput flat = written();
   CarveCheckInput bowed = flat;
   bowed.bench->bow_mm = {0.03, 0, 0.02};
-  EXPECT_EQ(red(check_carve(flat)), "");
+  EXPECT_EQ(errors(check_carve(flat)), "");
   EXPECT_THAT(check_carve(flat).findings.at(0).what, HasSubstr("nobody knows how even"));
-  EXPECT_THAT(red(check_carve(bowed)), AllOf(HasSubstr("a fixed Z is to carve 14 um deep"), HasSubstr("burin probe")));
+  EXPECT_THAT(errors(check_carve(bowed)),
+              AllOf(HasSubstr("a fixed Z is to carve 14 um deep"), HasSubstr("burin probe")));
   bowed = written("grbl-spring");
   bowed.bench->bow_mm = {0.03, 0, 0.02};
-  EXPECT_EQ(red(check_carve(bowed)), "");
+  EXPECT_EQ(errors(check_carve(bowed)), "");
 }
 
 TEST_F(CarveChecked, BeyondTheCutOff) {
   board_.material.depth_um = bench_.material.depth_um = 2;
   board_.flatness_um = 0.1;
   const CarveCheck check = check_carve(written());
-  EXPECT_THAT(red(check), AllOf(HasSubstr("view v: "), HasSubstr("beyond the cut-off"),
-                                HasSubstr("um deep with this cutter (now 2.0 um): --depth ")));
+  EXPECT_THAT(errors(check), AllOf(HasSubstr("view v: "), HasSubstr("beyond the cut-off"),
+                                   HasSubstr("um deep with this cutter (now 2.0 um): --depth ")));
   EXPECT_GT(check.views.at(0).dark, 0.5);
 }
 
@@ -210,28 +211,28 @@ TEST_F(CarveChecked, OtherScratchesThanDesigned) {
   const CarveCheckInput input = written();
   const std::string good = file_text(folder_ / "board.gcode");
   change(first_scratch(), "");
-  EXPECT_THAT(red(check_carve(input)), HasSubstr("1 scratch lost"));
+  EXPECT_THAT(errors(check_carve(input)), HasSubstr("1 scratch lost"));
   folder_.write("board.gcode", good);
   change("Z-0.0140", "Z-0.0240");
-  EXPECT_THAT(red(check_carve(input)), HasSubstr("never asked for"));  // too deep
+  EXPECT_THAT(errors(check_carve(input)), HasSubstr("never asked for"));  // too deep
   folder_.write("board.gcode", good);
-  EXPECT_EQ(red(check_carve(input)), "");
+  EXPECT_EQ(errors(check_carve(input)), "");
   CarveCheckInput half = input;
   half.files.insert(half.files.begin(), half.files[0]);
-  EXPECT_THAT(red(check_carve(half)), HasSubstr("carved twice"));
+  EXPECT_THAT(errors(check_carve(half)), HasSubstr("carved twice"));
 }
 
 TEST_F(CarveChecked, FilesThatCannotBeFollowed) {
   CarveCheckInput input = written();
   change("G1 X", "G2 X");
-  EXPECT_THAT(red(check_carve(input)), HasSubstr("has an arc"));
+  EXPECT_THAT(errors(check_carve(input)), HasSubstr("has an arc"));
   input.files = {folder_ / "none.gcode"};
-  EXPECT_THAT(red(check_carve(input)), HasSubstr("none.gcode"));
+  EXPECT_THAT(errors(check_carve(input)), HasSubstr("none.gcode"));
   input.files.clear();
   EXPECT_THAT([&] { check_carve(input); }, ThrowsMessage<Error>(HasSubstr("no G-code")));
   input = written();
   input.files.erase(input.files.begin());
-  EXPECT_THAT(red(check_carve(input)), HasSubstr("carve nothing"));
+  EXPECT_THAT(errors(check_carve(input)), HasSubstr("carve nothing"));
 }
 
 TEST_F(CarveChecked, WhatWasMendedIsCompared) {
@@ -245,10 +246,10 @@ TEST_F(CarveChecked, WhatWasMendedIsCompared) {
   input.bench = bench_;
   input.scratches = scratches_;
   const CarveCheck check = check_carve(input);
-  EXPECT_EQ(red(check), "");
+  EXPECT_EQ(errors(check), "");
   EXPECT_THAT(sentence(check.findings.at(0)), HasSubstr("as the machine's limits let them"));
   change(first_scratch(), "");
-  EXPECT_NE(red(check_carve(input)), "");
+  EXPECT_NE(errors(check_carve(input)), "");
 }
 
 TEST_F(CarveChecked, TheFrameGoesRoundTheseScratches) {
@@ -271,12 +272,13 @@ TEST_F(CarveChecked, TheFrameGoesRoundTheseScratches) {
 TEST_F(CarveChecked, WhatTheMachineCannotReach) {
   CarveCheckInput input = written();
   input.machine.travel = MachineBounds{{0, 0}, {150, 100}};
-  EXPECT_THAT(red(check_carve(input)), HasSubstr("out of the machine's travel"));
+  EXPECT_THAT(errors(check_carve(input)), HasSubstr("out of the machine's travel"));
   input = written();
   input.board.tags.z_mm = 1.5;
-  EXPECT_THAT(red(check_carve(input)), AllOf(HasSubstr("travels 1.00 mm above the face"), HasSubstr("1.50 mm thick")));
+  EXPECT_THAT(errors(check_carve(input)),
+              AllOf(HasSubstr("travels 1.00 mm above the face"), HasSubstr("1.50 mm thick")));
   input.board.tags.z_mm = 0.5;
-  EXPECT_EQ(red(check_carve(input)), "");
+  EXPECT_EQ(errors(check_carve(input)), "");
 }
 
 TEST_F(CarveChecked, AHeightMapIsPartOfWhatIsReplayed) {
@@ -292,12 +294,12 @@ TEST_F(CarveChecked, AHeightMapIsPartOfWhatIsReplayed) {
   board_.flatness_um = 80;
   CarveCheckInput input = written("grbl", options);
   input.heights = map;
-  EXPECT_EQ(red(check_carve(input)), "");
+  EXPECT_EQ(errors(check_carve(input)), "");
   input.heights.reset();  // forgotten
-  EXPECT_NE(red(check_carve(input)), "");
+  EXPECT_NE(errors(check_carve(input)), "");
   input.heights = map;
   input.heights->z_mm[4] += 0.01;  // another sheet
-  EXPECT_NE(red(check_carve(input)), "");
+  EXPECT_NE(errors(check_carve(input)), "");
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// burin check carve writes its page and ends with 1 where there is a red line (what is one, tests/optimize proves).
+// burin check carve writes its page and ends with 1 where there is an error (what is one, tests/optimize proves).
 // burin check ndf, as a person runs it: a line of value and error and a line of gradient for each row, a summary, and
 // an exit code that says whether all rows are within their tolerance. That the values are right is
 // footprint_integral_test's.
@@ -72,11 +72,11 @@ TEST(CheckCarve, OnePageAndOneQuestion) {
                                          "--out", "my.html", "--gcode",       "a.gcode", "a-frame.gcode"};
   const Outcome good = run_burin(folder, command);
   EXPECT_EQ(good.exit_code, 0) << good.err;
-  EXPECT_THAT(good.out, AllOf(HasSubstr("mind  nobody knows how even"), HasSubstr("a.gcode  3 scratches"),
+  EXPECT_THAT(good.out, AllOf(HasSubstr("warning: nobody knows how even"), HasSubstr("a.gcode  3 scratches"),
                               HasSubstr("a-frame.gcode  carves nothing"), HasSubstr("Z -0.0100 to 5.3000 mm"),
                               HasSubstr("Is the sheet clamped"), HasSubstr("Wrote my.html")));
   const std::string page = file_text(folder / "my.html");
-  EXPECT_THAT(page, AllOf(HasSubstr("No red line"), HasSubstr("Is the sheet clamped"), HasSubstr("</html>")));
+  EXPECT_THAT(page, AllOf(HasSubstr("No error."), HasSubstr("Is the sheet clamped"), HasSubstr("</html>")));
   EXPECT_EQ(page.find("src=\"http"), std::string::npos);
 
   // A person's hand in the file: the second scratch over the tag.
@@ -84,16 +84,16 @@ TEST(CheckCarve, OnePageAndOneQuestion) {
   const auto at = gcode.find("X90.0000 Y70.0000");
   ASSERT_NE(at, std::string::npos);
   folder.write("a.gcode", gcode.replace(at, 17, "X50.0000 Y40.0000"));
-  const Outcome red = run_burin(folder, command);
-  EXPECT_EQ(red.exit_code, 1);
-  EXPECT_THAT(red.out, AllOf(HasSubstr("RED   1 scratch would be carved over tag 2"),
-                             HasSubstr("RED   a.gcode:19: carves over tag 2"), HasSubstr("1 scratch lost")));
-  EXPECT_THAT(red.err, HasSubstr("my.html: do not carve this: 3 red lines; open it"));
+  const Outcome wrong = run_burin(folder, command);
+  EXPECT_EQ(wrong.exit_code, 1);
+  EXPECT_THAT(wrong.out, AllOf(HasSubstr("error: 1 scratch would be carved over tag 2"),
+                               HasSubstr("error: a.gcode:19: carves over tag 2"), HasSubstr("1 scratch lost")));
+  EXPECT_THAT(wrong.err, HasSubstr("my.html: do not carve this: 3 errors; open it"));
   EXPECT_THAT(file_text(folder / "my.html"), AllOf(HasSubstr("Do not carve this"), HasSubstr("over tag 2")));
   EXPECT_EQ(file_text(folder / "my.html").find("Is the sheet clamped"), std::string::npos);
 }
 
-TEST(CheckCarve, AToolPathOlderThanItsHeightMapIsRed) {
+TEST(CheckCarve, AToolPathOlderThanItsHeightMapIsAnError) {
   const TemporaryFolder folder;
   folder.write("board.json", kBoard);
   folder.write("scratches.csv", kScratches);
@@ -110,9 +110,9 @@ TEST(CheckCarve, AToolPathOlderThanItsHeightMapIsRed) {
   // The sheet is probed again: the very same map, yet nobody looked at it when the tool path was made.
   const auto later = std::filesystem::last_write_time(folder / "a.gcode") + std::chrono::seconds(5);
   std::filesystem::last_write_time(folder / "heights.json", later);
-  const Outcome red = run_burin(folder, command);
-  EXPECT_EQ(red.exit_code, 1);
-  EXPECT_THAT(red.out, HasSubstr("RED   a.gcode: was written before heights.json"));
+  const Outcome wrong = run_burin(folder, command);
+  EXPECT_EQ(wrong.exit_code, 1);
+  EXPECT_THAT(wrong.out, HasSubstr("error: a.gcode: was written before heights.json"));
 }
 
 TEST(CheckCarve, TheRoundOfALoop) {

@@ -330,7 +330,7 @@ TEST_F(LoopAnswering, RefusedChecksLeaveNoPages) {
   design_round(1);
   const StageOfRound at{1, StageKind::check};
   record(at, MadeRecord::Status::begun);
-  EXPECT_THAT(next(), HasSubstr("red lines in " + (project() / "round-01" / "carve-check.html").string()));
+  EXPECT_THAT(next(), HasSubstr("correct the errors in " + (project() / "round-01" / "carve-check.html").string()));
   const MadeRecord begun = *read_record(record_file(loop_.project, at));
   ContentHashes hashes;
   EXPECT_EQ(begin_stage(loop_, at, begun, hashes), fs::path());

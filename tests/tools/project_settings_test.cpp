@@ -74,7 +74,7 @@ TEST(ProjectSettings, CheckTakesTheMachineOfTheProject) {
   if (HasFatalFailure()) return;
   const fs::path page = p.round / "carve-check.html";
   const std::string by_loop = page_text(page);
-  ASSERT_THAT(by_loop, HasSubstr("No red line"));
+  ASSERT_THAT(by_loop, HasSubstr("No error."));
   fs::create_directories(p.folder / "elsewhere");
   fs::create_directory_symlink(p.round, p.folder / "elsewhere" / "link");
   for (const auto& [directory, what] : {std::pair<std::string, std::string>{".", "project/round-01"},
@@ -216,7 +216,7 @@ TEST(ProjectSettings, ALoopAtATerminalAsksForTheReach) {
 }
 
 // A round's G-code is held against what it was made from, by its record.
-TEST(ProjectSettings, AHeightMapThatCameLaterMakesTheRoundsCheckRed) {
+TEST(ProjectSettings, AHeightMapThatCameLaterMakesTheRoundsCheckAnError) {
   const SpringProject p;
   p.design();
   if (HasFatalFailure()) return;
@@ -224,9 +224,9 @@ TEST(ProjectSettings, AHeightMapThatCameLaterMakesTheRoundsCheckRed) {
   p.folder.write("project/round-01/heights.json",
                  R"({"format": "burin/heights", "version": 1, "zero_mm": [0, 0], "first_mm": [0, 0],
                      "step_mm": [60, 60], "z_mm": [[0, 0, 0], [0, 0, 0], [0, 0, 0]]})");
-  const Outcome red = p.in("project", {"check", "carve", "round-01"});
-  EXPECT_EQ(red.exit_code, 1);
-  EXPECT_THAT(red.out, HasSubstr("board.gcode: was written before round-01/heights.json is new"));
+  const Outcome wrong = p.in("project", {"check", "carve", "round-01"});
+  EXPECT_EQ(wrong.exit_code, 1);
+  EXPECT_THAT(wrong.out, HasSubstr("board.gcode: was written before round-01/heights.json is new"));
 }
 
 TEST(ProjectSettings, ADesignNamesAKeepOutWhoseHeightIsNotKnown) {

@@ -91,7 +91,7 @@ std::string next_of_stage(const LoopProject& loop, const StageState& state) {
     return fmt::format("{}{} (or `{}`, which takes it as good as it got)", next, time_limit_in_words(loop),
                        loop_line(loop.project, "--keep"));
   if (state.at.stage == StageKind::check && state.condition == Condition::stopped && has_result(loop, state.at))
-    return fmt::format("mend the red lines in {}; then `{}`",
+    return fmt::format("correct the errors in {}; then `{}`",
                        (folder_of(loop.project, state.at) / "carve-check.html").string(), loop_line(loop.project));
   return next;
 }

@@ -112,8 +112,8 @@ std::string sheet_drawing(const CarveCheck& check, const Board& board) {
     return svg_line(at({s.x0_mm[i], s.y0_mm[i]}), at({s.x1_mm[i], s.y1_mm[i]}), attributes);
   };
   for (std::size_t i = 0; i < s.size(); i += every) out += scratch(i, "stroke=\"#8a4b12\" stroke-width=\"0.4\"");
-  for (std::size_t k = 0; k < std::min(check.red.size(), kMostDrawn); ++k)
-    out += scratch(check.red[k], "stroke=\"#d1190d\" stroke-width=\"2.5\"");
+  for (std::size_t k = 0; k < std::min(check.faulty.size(), kMostDrawn); ++k)
+    out += scratch(check.faulty[k], "stroke=\"#d1190d\" stroke-width=\"2.5\"");
   out += fmt::format(
       "<circle cx=\"{0:.1f}\" cy=\"{1:.1f}\" r=\"5\" fill=\"none\" stroke=\"#1f5f8b\" "
       "stroke-width=\"2\"/>\n",
@@ -124,14 +124,14 @@ std::string sheet_drawing(const CarveCheck& check, const Board& board) {
              fmt::format("role=\"img\" aria-label=\"The sheet, {:.0f} by {:.0f} mm, with its tags, its carve area "
                          "and {}{}\"",
                          board.size_mm.x(), board.size_mm.y(), grouped(static_cast<long long>(s.size()), "scratch"),
-                         check.red.empty() ? "" : ", in red those that must not be carved"),
+                         check.faulty.empty() ? "" : ", in red those that must not be carved"),
              out) +
          fmt::format(
              "</div>\n<p class=\"soft\">The sheet, {:.0f} x {:.0f} mm, lower left corner (work zero) ringed in blue; "
              "gray: "
              "tags and keep-outs; dashed: the carve area{}{}.</p>\n",
              board.size_mm.x(), board.size_mm.y(), every > 1 ? fmt::format("; one scratch in {} is drawn", every) : "",
-             check.red.empty() ? "" : "; red: what must not be carved");
+             check.faulty.empty() ? "" : "; red: what must not be carved");
 }
 
 // Predicted pictures from the design's own report. Empty without one.
@@ -195,14 +195,13 @@ Promise promise_of(const fs::path& folder) {
 }
 
 std::string outcome_of(const CarveCheck& check, std::size_t warnings) {
-  const std::size_t red = count_of(check, Severity::error);
-  if (red > 0)
+  const std::size_t errors = count_of(check, Severity::error);
+  if (errors > 0)
     return fmt::format("<span class=\"bad\">Do not carve this: {} would spoil the board.</span>",
-                       counted(red, "red line"));
-  return fmt::format("<span class=\"good\">No red line.</span> {}, {}, {}{}.",
+                       counted(errors, "error"));
+  return fmt::format("<span class=\"good\">No error.</span> {}, {}, {}{}.",
                      grouped(static_cast<long long>(check.carved.size()), "scratch"), depth_text(check) + " deep",
-                     html(duration_text(check.duration_s)),
-                     warnings > 0 ? "; " + counted(warnings, "thing") + " to mind" : "");
+                     html(duration_text(check.duration_s)), warnings > 0 ? "; " + counted(warnings, "warning") : "");
 }
 
 }  // namespace
@@ -261,10 +260,9 @@ std::vector<std::string> unreadable_views(const fs::path& folder) {
 std::string carve_check_text(const CarveCheck& check) {
   std::string text;
   for (const Finding& f : check.findings)
-    if (f.severity != Severity::note)
-      text += fmt::format("{:<4}  {}\n", f.severity == Severity::error ? "RED" : "mind", sentence(f));
+    if (f.severity != Severity::note) text += fmt::format("{}: {}\n", in_words(f.severity), sentence(f));
   if (const std::size_t notes = count_of(check, Severity::note); notes > 0)
-    text += fmt::format("note  {} on the page\n", counted(notes, "more line"));
+    text += fmt::format("note: {} on the page\n", counted(notes, "more line"));
   for (const CheckedFile& f : check.files) text += fmt::format("{}  {}\n", f.file.string(), file_text(f));
   if (check.carved.size() > 0)
     text += fmt::format("tool  X {:.2f} to {:.2f}, Y {:.2f} to {:.2f}, Z {:.4f} to {:.4f} mm; {} deep{}\n",

@@ -1,5 +1,5 @@
-// tools/report/carve_check.h - page to read before carving: the tool's path, the predicted pictures, and problems in
-// red. Its facts come from burin/optimize/toolpath/carve_check.h and from the design's own report.
+// tools/report/carve_check.h - page to read before carving: the tool's path, the predicted pictures, and problems as
+// errors. Its facts come from burin/optimize/toolpath/carve_check.h and from the design's own report.
 #pragma once
 
 #include <filesystem>
