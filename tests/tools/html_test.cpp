@@ -1,5 +1,5 @@
-// Proves: a page begins with one sentence, then what to do, pictures, what to mind; every picture says in words what it
-// shows; numbers are written as people write them; a table's cells name their column where it is a card.
+// Proves: a page begins with one sentence, then what to do, pictures, warnings and notes; every picture says in words
+// what it shows; numbers are written as people write them; a table's cells name their column where it is a card.
 #include "tools/report/html.h"
 
 #include <gmock/gmock.h>
@@ -26,28 +26,30 @@ TEST(Html, PicturesSayWhatTheyShow) {
   EXPECT_THROW(figure({gray, "", "<b>Predicted</b>"}), std::logic_error);
 }
 
-// What stops stands above the pictures, what is to mind below them.
+// Errors stand above the pictures, warnings and notes below them.
 TEST(Html, PageBeginsWithTheOutcome) {
   Page all{"Title", "Outcome."};
   all.next = "do it";
   all.pictures = "<h2>Pictures</h2>";
-  all.findings = {{Finding::Severity::warning, {}, "mind <this>", "do that"},
+  all.findings = {{Finding::Severity::warning, {}, "look at <this>", "do that"},
                   {Finding::Severity::error, "dir/a.gcode", "it digs", ""}};
   all.body = "<h2>Body</h2>";
   const std::string text = page(all);
   std::size_t before = 0;
-  for (const char* part : {"Content-Security-Policy", "<p class=\"outcome\">Outcome.</p>", "<b>Next:</b> do it",
-                           "Stop · a.gcode</span><p>It digs.", "<h2>Pictures</h2>", "<h2>What to mind",
-                           "Mind &lt;this&gt;.</p><p class=\"remedy\">Do that.", "<h2>Body</h2>"}) {
+  for (const char* part :
+       {"Content-Security-Policy", "<p class=\"outcome\">Outcome.</p>", "<b>Next:</b> do it",
+        "<span class=\"kind\">Error · a.gcode</span><p>It digs.", "<h2>Pictures</h2>", "<h2>Warnings and notes",
+        "<span class=\"kind\">Warning</span><p>Look at &lt;this&gt;.</p><p class=\"remedy\">Do that.",
+        "<h2>Body</h2>"}) {
     const std::size_t at = text.find(part);
     ASSERT_NE(at, std::string::npos) << part;
     EXPECT_GT(at, before) << part;
     before = at;
   }
-  EXPECT_THAT(page({"Title", "Outcome."}), AllOf(Not(HasSubstr("<h2>What to mind")), Not(HasSubstr("<b>Next:"))));
+  EXPECT_THAT(page({"Title", "Outcome."}), AllOf(Not(HasSubstr("<h2>Warnings and notes")), Not(HasSubstr("<b>Next:"))));
 }
 
-TEST(Html, ManyFindingsAreFoldedButNoneThatStops) {
+TEST(Html, ManyFindingsAreFoldedButNoError) {
   const Finding note{Finding::Severity::note, {}, "a note", ""}, error{Finding::Severity::error, {}, "an error", ""};
   EXPECT_THAT(cards({7, note}), Not(HasSubstr("<details")));  // folding one saves nothing
   EXPECT_THAT(cards({9, note}), HasSubstr("<b>3 more</b>"));
@@ -56,7 +58,7 @@ TEST(Html, ManyFindingsAreFoldedButNoneThatStops) {
 }
 
 TEST(Html, PlainTextIsWhatAReaderSees) {
-  EXPECT_EQ(plain_text("<span class=\"bad\">a &lt; b</span> &amp;quot;"), "a < b &quot;");
+  EXPECT_EQ(plain_text("<span class=\"error\">a &lt; b</span> &amp;quot;"), "a < b &quot;");
 }
 
 TEST(Html, NumbersHaveNoExponent) {

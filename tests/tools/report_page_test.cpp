@@ -134,7 +134,7 @@ void expect_readable(Chromium& browser, const fs::path& page) {
             .map(v => v <= 0.04045 ? v / 12.92 : ((v + 0.055) / 1.055) ** 2.4)
             .reduce((sum, v, i) => sum + v * [0.2126, 0.7152, 0.0722][i], 0);
         const ground = light(getComputedStyle(document.body).backgroundColor);
-        return [...document.querySelectorAll('main p, main td, main summary span, main .good, main .bad, main h2')].map(e => {
+        return [...document.querySelectorAll('main p, main td, main summary span, main .good, main span.warning, main span.error, main h2')].map(e => {
           const ink = light(getComputedStyle(e).color);
           return (Math.max(ink, ground) + 0.05) / (Math.min(ink, ground) + 0.05);
         }).reduce((a, b) => Math.min(a, b), 21); })())js");

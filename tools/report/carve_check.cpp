@@ -197,7 +197,7 @@ Promise promise_of(const fs::path& folder) {
 std::string outcome_of(const CarveCheck& check, std::size_t warnings) {
   const std::size_t errors = count_of(check, Severity::error);
   if (errors > 0)
-    return fmt::format("<span class=\"bad\">Do not carve this: {} would spoil the board.</span>",
+    return fmt::format("<span class=\"error\">Do not carve this: {} would spoil the board.</span>",
                        counted(errors, "error"));
   return fmt::format("<span class=\"good\">No error.</span> {}, {}, {}{}.",
                      grouped(static_cast<long long>(check.carved.size()), "scratch"), depth_text(check) + " deep",

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <utility>
 
@@ -20,18 +19,16 @@ constexpr std::size_t kMostCards = 6;  // more are hard to read
 
 // Turns a finding's half sentence into a sentence.
 std::string whole_sentence(std::string text) {
-  if (!text.empty() && text.front() >= 'a' && text.front() <= 'z') text.front() = static_cast<char>(text.front() - 32);
+  text = begun_with_capital(std::move(text));
   return text.ends_with('.') || text.ends_with('?') ? text : text + ".";
 }
 
 std::string card(const Finding& finding) {
-  constexpr std::array kClass{"note", "warning", "error"};
-  constexpr std::array kWord{"Good to know", "To mind", "Stop"};
-  const auto kind = static_cast<std::size_t>(finding.severity);
+  const std::string severity = in_words(finding.severity);
   std::string where;
   if (!finding.file.empty()) where = " · " + html(finding.file.filename().string());
-  std::string out = fmt::format("<li class=\"card {}\"><span class=\"kind\">{}{}</span><p>{}</p>", kClass[kind],
-                                kWord[kind], where, html(whole_sentence(finding.what)));
+  std::string out = fmt::format("<li class=\"card {}\"><span class=\"kind\">{}{}</span><p>{}</p>", severity,
+                                begun_with_capital(severity), where, html(whole_sentence(finding.what)));
   if (!finding.remedy.empty()) out += fmt::format("<p class=\"remedy\">{}</p>", html(whole_sentence(finding.remedy)));
   return out + "</li>\n";
 }
@@ -137,10 +134,10 @@ std::string page(const Page& page) {
       styles{std::string(embedded::report_files("page.css"))};
   scripts.insert(scripts.end(), page.scripts.begin(), page.scripts.end());
   styles.insert(styles.end(), page.styles.begin(), page.styles.end());
-  std::vector<Finding> stop, mind;
-  for (const Finding& f : page.findings) (f.severity == Finding::Severity::error ? stop : mind).push_back(f);
-  std::string inside = cards(stop) + page.pictures;
-  if (!mind.empty()) inside += "<h2>What to mind</h2>\n" + cards(mind);
+  std::vector<Finding> errors, others;
+  for (const Finding& f : page.findings) (f.severity == Finding::Severity::error ? errors : others).push_back(f);
+  std::string inside = cards(errors) + page.pictures;
+  if (!others.empty()) inside += "<h2>Warnings and notes</h2>\n" + cards(others);
   return fmt::format(
       "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">{}\n"
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>{}</title>\n{}</head>\n"

@@ -57,8 +57,9 @@ WrittenReport write_report(const std::filesystem::path& folder, const std::files
   std::vector<Finding> told = all.findings;
   std::stable_sort(told.begin(), told.end(),
                    [](const Finding& a, const Finding& b) { return a.severity > b.severity; });
-  for (std::size_t i = 0; i < std::min(told.size(), kMostTold); ++i) out.told += "\n- " + sentence(told[i]);
-  if (told.size() > kMostTold) out.told += "\n- " + std::to_string(told.size() - kMostTold) + " more on the page";
+  for (std::size_t i = 0; i < std::min(told.size(), kMostTold); ++i)
+    out.told += std::string("\n") + in_words(told[i].severity) + ": " + sentence(told[i]);
+  if (told.size() > kMostTold) out.told += "\n" + std::to_string(told.size() - kMostTold) + " more on the page";
   const std::string text = page(all);
   FilesTogether both;
   write_text(text, out.page);

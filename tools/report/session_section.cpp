@@ -321,10 +321,10 @@ std::string verdicts(const Loaded& in) {
   std::size_t determined = 0;
   for (const auto& [name, verdict] : in.bench.verdict) {
     determined += verdict.determined() ? 1 : 0;
-    out.rows.push_back(
-        {html(parameter::in_words(name)),
-         fmt::format("<span class=\"{}\">{}</span>", verdict.determined() ? "good" : "bad", in_words(verdict.degree)),
-         fmt::format("<span class=\"soft\">{}</span>", html(sentence(verdict)))});
+    out.rows.push_back({html(parameter::in_words(name)),
+                        fmt::format("<span class=\"{}\">{}</span>", verdict.determined() ? "good" : "warning",
+                                    in_words(verdict.degree)),
+                        fmt::format("<span class=\"soft\">{}</span>", html(sentence(verdict)))});
     if (any_next)
       out.rows.back().push_back(verdict.next_photo ? html(sentence(*verdict.next_photo, verdict.unit)) : "");
   }
