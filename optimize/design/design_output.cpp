@@ -232,8 +232,9 @@ void write_design_result(const DesignResult& result, const DesignSpec& spec, con
   if (result.alpha) material["alpha"] = *result.alpha;
   json["material"] = material;
   json["bench"] = bench_as_used(spec, board, bench);
-  json["warnings"] = Json::array();
-  for (const Finding& finding : result.findings) json["warnings"].push_back(sentence(finding));
+  for (const char* list : {"notes", "warnings"}) json[list] = Json::array();
+  for (const Finding& finding : result.findings)
+    json[finding.severity == Finding::Severity::note ? "notes" : "warnings"].push_back(sentence(finding));
   json["history"] = Json::array();
   for (const DesignIteration& i : result.history) {
     json["history"].push_back({{"loss", i.loss}, {"views", list(i.view_loss)}, {"seconds", i.seconds}});

@@ -35,7 +35,8 @@
 //   carving_curve (if measured): { "plot" (carving-curve.svg), "points": [ { "scratches", "hours", "psnr_db" and "ssim"
 //              (one per view) } ] }, from all scratches down to a tenth of the time
 //   contact_sheet, contact_iterations; seconds: { "iterations", "total" }; length_mm: { "total", "mean" };
-//   material (optimized numbers only); bench: the bench as used (file name and its numbers); warnings: [..]
+//   material (optimized numbers only); bench: the bench as used (file name and its numbers);
+//   notes, warnings: [..]
 #pragma once
 
 #include <filesystem>

@@ -19,6 +19,7 @@
 #include "tools/project_settings.h"
 #include "tools/report/html.h"
 #include "tools/report/pictures.h"
+#include "tools/report/section.h"
 
 namespace burin {
 namespace {
@@ -188,9 +189,8 @@ Promise promise_of(const fs::path& folder) {
              fmt::format("{} left out of the design: {}", grouped(std::llround(count.get<double>()), "scratch"), rule),
              ""});
   if (report.has("stopped_early") && report.boolean("stopped_early"))
-    out.findings.push_back({Severity::note, {}, "the design was stopped before it was finished", ""});
-  for (const auto& warning : report.raw("warnings"))
-    out.findings.push_back({Severity::note, {}, warning.get<std::string>(), ""});
+    out.findings.push_back({Severity::warning, {}, "the design was stopped before it was finished", ""});
+  append(out.findings, design_findings(report));
   return out;
 }
 

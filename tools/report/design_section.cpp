@@ -150,6 +150,16 @@ std::string how_it_got_there(JsonObject& report, const std::vector<std::string>&
 
 }  // namespace
 
+std::vector<Finding> design_findings(JsonObject& report) {
+  std::vector<Finding> out;
+  for (const auto& warning : report.raw("warnings"))
+    out.push_back({Finding::Severity::warning, {}, warning.get<std::string>(), ""});
+  if (report.has("notes"))
+    for (const auto& note : report.raw("notes"))
+      out.push_back({Finding::Severity::note, {}, note.get<std::string>(), ""});
+  return out;
+}
+
 std::optional<Section> design_section(const std::filesystem::path& folder) {
   std::filesystem::path home = folder;
   if (!std::filesystem::exists(home / "design-report.json")) home = folder / "design";
@@ -182,8 +192,7 @@ std::optional<Section> design_section(const std::filesystem::path& folder) {
           "preview with its target at the best single exposure, in {} pixels along the longer side{}: 20 dB is "
           "recognizable, 25 dB good, 30 dB hard to tell apart. In other pixels there are other dB.</p>\n",
           quality.px, quality.from_m > 0 ? fmt::format(", which eyes {:.2g} m away tell apart", quality.from_m) : "");
-  for (const auto& warning : report.raw("warnings"))
-    out.findings.push_back({Finding::Severity::warning, {}, warning.get<std::string>(), ""});
+  out.findings = design_findings(report);
   out.parts = folded("View by view",
                      fmt::format("{} to {}", decibels(*std::ranges::min_element(quality.psnr_db)),
                                  decibels_of(*std::ranges::max_element(quality.psnr_db), quality.px)),

@@ -13,6 +13,8 @@
 
 namespace burin {
 
+class JsonObject;
+
 struct Section {
   std::string title;       ///< text: name of the folded section
   std::string outcome;     ///< a sentence or two, HTML: the result
