@@ -71,7 +71,7 @@ std::optional<Photo> photo_of(const IncomingPhoto& incoming, double f_number, st
     return std::nullopt;
   }
   if (other_colors && encoding.encoding == Encoding::srgb)
-    findings.push_back({note, incoming.file,
+    findings.push_back({warning, incoming.file,
                         "has a color space other than sRGB by its EXIF, and no profile; sRGB's curve was assumed",
                         "set the camera to sRGB, or export with the profile embedded"});
   if (exif.gain_map)

@@ -95,7 +95,7 @@ std::vector<fs::path> find_other_folders(const fs::path& folder, const PhotoLamp
     if (!photos) continue;
     with_photos.push_back(other);
     if (lamps.names.size() < 2)
-      findings.push_back({Finding::Severity::note, other, "holds photos, and folders within are passed over",
+      findings.push_back({Finding::Severity::warning, other, "holds photos, and folders within are passed over",
                           "if it is a lamp's that shone on them alone, list that lamp in bench.json (\"lights\")"});
     else
       findings.push_back({Finding::Severity::error, other, "holds photos, and no lamp of the bench is called that",

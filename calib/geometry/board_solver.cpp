@@ -442,7 +442,7 @@ struct Solver {
     }
     if (spread > 2 && !said_spread_) {
       said_spread_ = true;
-      finding(Finding::Severity::note, "board.json",
+      finding(Finding::Severity::warning, "board.json",
               "the tags lie " + fixed(spread, 1) + " times further from their places than tags.sigma_mm (" +
                   fixed(board.tags.sigma_mm, 2) + " mm) says",
               "raise sigma_mm, or measure center_mm again");

@@ -438,7 +438,7 @@ Bench with_lamps(std::span<const LightSample> samples, const Board& board, const
   bench.stray = seed.stray;
   if (bench.stray)
     findings.push_back(
-        {Finding::Severity::note,
+        {Finding::Severity::warning,
          {},
          "beside the lamp another light shines that nobody named",
          "burin refine measures it; better switch it off, or close the curtain, and take the photos again"});

@@ -70,7 +70,7 @@ std::optional<Finding> pixels_are_many(const std::vector<WorkView>& views, std::
   if (fewer >= kStillAPicture)
     remedy = "for eyes that are more than " + distance_m(larger * views.front().pitch_mm) + " away --pixels " +
              std::to_string(fewer) + " shows more; or " + remedy;
-  return Finding{Finding::Severity::note, "design",
+  return Finding{Finding::Severity::warning, "design",
                  counted(strokes, "scratch") + (strokes == 1 ? " is" : " are") + " few for these pictures, " +
                      std::to_string(std::lround(each)) +
                      " pixels to a stroke: they will be drawn long, and the pictures coarse",

@@ -195,7 +195,7 @@ std::vector<Finding> height_findings(const Board& board, const std::filesystem::
   const auto low = std::find_if(board.keep_out.begin(), board.keep_out.end(),
                                 [](const KeepOut& place) { return !place.height_mm.has_value(); });
   if (low == board.keep_out.end()) return {};
-  return {{Finding::Severity::note, board_file,
+  return {{Finding::Severity::warning, board_file,
            "nobody said how high the keep-out " + (low->name.empty() ? "" : low->name + " ") +
                "stands; the design goes on, but no G-code will be given out",
            kHeightRemedy}};
@@ -203,7 +203,7 @@ std::vector<Finding> height_findings(const Board& board, const std::filesystem::
 
 std::vector<Finding> reach_findings(const MachineProfile& machine) {
   if (machine.travel || machine.travel_is_unknown) return {};
-  return {{Finding::Severity::note,
+  return {{Finding::Severity::warning,
            {},
            "nobody said how far " + machine.name + " reaches: whether it gets to all of these places is not checked",
            "write \"travel_mm\": [[0, 0], [300, 180]] with its own numbers into its burin/machine file (for a built-in "

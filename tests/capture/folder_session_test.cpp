@@ -272,7 +272,7 @@ TEST_F(FolderSessionTest, PhotosOfWhichNobodyKnowsTheLamp) {
   EXPECT_THAT(text_of(result.findings, Severity::error), HasSubstr("bleu: holds photos, and no lamp of the bench"));
   EXPECT_TRUE(result.written.empty());
   result = capture_as({"red", {"red"}});
-  EXPECT_THAT(text_of(result.findings, Severity::note), HasSubstr("bleu: holds photos, and folders within"));
+  EXPECT_THAT(text_of(result.findings, Severity::warning), HasSubstr("bleu: holds photos, and folders within"));
   EXPECT_EQ(result.session.photos.size(), 1U);
   fs::remove_all(folder / "photos/bleu");
   fs::remove(folder / "photos/IMG_102.png");

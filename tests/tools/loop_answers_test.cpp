@@ -358,7 +358,7 @@ TEST_F(LoopAnswering, WhatIsKnownWeaklyStopsADesignWhereItRestsOnIt) {
   EXPECT_THAT(in_words(unknown), HasSubstr("depth_um is determined only weakly: one sigma is 7 %"));
   const std::vector<Finding> weak = weakly_known_in(bench, "bench.json");
   ASSERT_THAT(weak, SizeIs(1));
-  EXPECT_EQ(weak[0].severity, Finding::Severity::note);
+  EXPECT_EQ(weak[0].severity, Finding::Severity::warning);
   EXPECT_THAT(sentence(weak[0]), AllOf(HasSubstr("alpha is determined only weakly"), HasSubstr("one sigma is 7 %")));
   bench.verdict[parameter::kDepth] = given_verdict();
   bench.verdict[parameter::kMachine] = told_by_photos(Degree::determined);

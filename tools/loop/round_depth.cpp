@@ -46,13 +46,13 @@ std::optional<RoundDepth> depth_of_round(const Project& project, const LoopOptio
 
 std::string in_words(const RoundDepth& depth) {
   const double part = depth.sigma_um / depth.made_um;
-  const bool as_wanted = std::abs(depth.depth_um - depth.wanted_um) < 0.01;
   return fmt::format(
       "the machine makes {} +- {} um of {} um that it is told: this board is designed {} um deep{}, and told {} um "
       "for it (one sigma of what becomes of it: {} um)",
       fixed(depth.made_um, 1), significant(depth.sigma_um), significant(depth.told_um, 4),
       significant(depth.depth_um, 4),
-      as_wanted ? "" : fmt::format(", not {} um, because the machine's depth table ends there", depth.wanted_um),
+      depth.as_wanted() ? ""
+                        : fmt::format(", not {} um, because the machine's depth table ends there", depth.wanted_um),
       fixed(depth.command_um, 1), significant(part * depth.depth_um));
 }
 

@@ -2,6 +2,7 @@
 // depth in board.json. The machine then gets the commanded depth for it, within its depth table (docs/model.md 7.4).
 #pragma once
 
+#include <cmath>
 #include <optional>
 #include <string>
 

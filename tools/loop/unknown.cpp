@@ -43,14 +43,14 @@ std::vector<UnknownParameter> unknown_in(const Bench& measured, const std::set<s
 }
 
 std::vector<Finding> weakly_known_in(const Bench& measured, const std::filesystem::path& file) {
-  std::vector<Finding> notes;
+  std::vector<Finding> weak;
   for (const auto& [name, verdict] : measured.verdict)
     if (must_be_known(name) && verdict.degree == Degree::weakly)
-      notes.push_back({Finding::Severity::note, file,
-                       fmt::format("{} is {}, and the next design rests on it: {}", name, how_far_known(verdict),
-                                   sentence(verdict)),
-                       ""});
-  return notes;
+      weak.push_back({Finding::Severity::warning, file,
+                      fmt::format("{} is {}, and the next design rests on it: {}", name, how_far_known(verdict),
+                                  sentence(verdict)),
+                      ""});
+  return weak;
 }
 
 ToldByRound told_by_round(const LoopProject& loop, int round, const std::vector<std::string>& accepted) {

@@ -136,8 +136,8 @@ std::vector<Finding> rerun_findings(std::span<const RerunView> views) {
           v.view, cost, v.promised_before_db, v.seen_before_db,
           gain > 0 ? fmt::format("regains {:.1f} dB of them", gain) : "regains none of them", v.promised_after_db));
     if (v.seen_after_db && v.promised_after_db - *v.seen_after_db > kHardlySeen_db)
-      note(fmt::format("view {} still loses {:.1f} dB to what the measured bench does not know", v.view,
-                       v.promised_after_db - *v.seen_after_db));
+      out.push_back(make_warning(fmt::format("view {} still loses {:.1f} dB to what the measured bench does not know",
+                                             v.view, v.promised_after_db - *v.seen_after_db)));
   }
   return out;
 }
