@@ -214,7 +214,7 @@ class Watch {
     }
     for (const fs::path& file : news.given_up) {
       const std::string why = why_unreadable(file, errors_[file]);
-      teller_.say("unreadable", file, "BAD " + why);
+      teller_.say("unreadable", file, "error: " + why);
       ++unreadable_;
     }
   }

@@ -140,7 +140,7 @@ TEST_F(ShootTest, FaultsAreTakenAgain) {
   add_photo(blurred, shoot);
   EXPECT_EQ(state_of(shoot, 0), ShotState::again);
   EXPECT_EQ(next_step(shoot).kind, Kind::retake);
-  EXPECT_THAT(last_photo_words(shoot), AllOf(HasSubstr("BAD: is blurred"), HasSubstr("now: take this one again"),
+  EXPECT_THAT(last_photo_words(shoot), AllOf(HasSubstr("error: is blurred"), HasSubstr("now: take this one again"),
                                              HasSubstr("[1 of 3 shots, 1 to take again]")));
   add_photo(photo(500, -30, 0, 0, 0.5), shoot);
   EXPECT_EQ(state_of(shoot, 0), ShotState::done);

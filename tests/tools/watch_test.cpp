@@ -514,8 +514,8 @@ TEST_F(WatchCommand, SaysWhatCannotBeWatched) {
   folder.write("in/b.jpg", "no picture");
   const Outcome run = run_burin(folder, {"watch", "my board", "--photos", "in", "--once"});
   EXPECT_EQ(run.exit_code, 1);
-  EXPECT_THAT(run.out, AllOf(HasSubstr("BAD in/b.jpg: is no picture of a kind that Burin reads"),
-                             HasSubstr("BAD in/a.jpg: is empty (0 bytes)")));
+  EXPECT_THAT(run.out, AllOf(HasSubstr("error: in/b.jpg: is no picture of a kind that Burin reads"),
+                             HasSubstr("error: in/a.jpg: is empty (0 bytes)")));
 }
 
 }  // namespace

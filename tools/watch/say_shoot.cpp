@@ -157,7 +157,7 @@ std::string last_photo_words(const Shoot& shoot) {
                                 photo.light.empty() ? "" : fmt::format(" (lamp \"{}\")", photo.light),
                                 which.empty() ? "" : which + ": ", shows_words(photo, shoot));
   for (const Finding& fault : photo.faults)
-    out += fmt::format("    {}: {}{}\n", fault.severity == Finding::Severity::error ? "BAD" : "note", fault.what,
+    out += fmt::format("    {}: {}{}\n", in_words(fault.severity), fault.what,
                        fault.remedy.empty() ? "" : "; " + fault.remedy);
   return out + fmt::format("    now: {}  [{}]\n", next_words(shoot), state_words(shoot));
 }
@@ -222,9 +222,7 @@ std::string last_photo_json(const Shoot& shoot, double seconds, double processor
   }
   json["faults"] = Json::array();
   for (const Finding& fault : photo.faults)
-    json["faults"].push_back({{"severity", fault.severity == Finding::Severity::error ? "error" : "warning"},
-                              {"what", fault.what},
-                              {"remedy", fault.remedy}});
+    json["faults"].push_back({{"severity", in_words(fault.severity)}, {"what", fault.what}, {"remedy", fault.remedy}});
   json["now"] = next_words(shoot);
   json["state"] = state_words(shoot);
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
