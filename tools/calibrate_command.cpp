@@ -83,7 +83,7 @@ void add_calibrate_command(CLI::App& burin) {
     }
     all.put();
     bar.clear();
-    for (const Finding& finding : c.findings) note(finding);
+    for (const Finding& finding : c.findings) tell(finding);
     const BoardSolution& g = c.geometry;
     print_text("lens     {}: focal lengths {:.2f} and {:.2f} px{}\n", g.lens.model, g.lens.intrinsics[0],
                g.lens.intrinsics[1],

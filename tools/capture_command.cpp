@@ -174,7 +174,7 @@ void add_capture_command(CLI::App& burin) {
     int errors = 0;
     std::string first;
     for (const Finding& finding : result.findings) {
-      note(finding);
+      tell(finding);
       if (finding.severity == Finding::Severity::error && ++errors == 1) first = sentence(finding);
     }
     if (result.written.empty())

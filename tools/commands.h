@@ -117,8 +117,8 @@ void print_text(fmt::format_string<T...> format, T&&... values) {
 /// Prints a fact that needs no action to stderr: an assumed value, an unchanged file.
 inline void note(const std::string& sentence) { tell("note: " + sentence + "\n"); }
 
-/// The same of a finding, under its severity: "warning: ...".
-inline void note(const Finding& finding) {
+/// Prints a finding under its severity: "warning: ...". To stderr.
+inline void tell(const Finding& finding) {
   tell(std::string(in_words(finding.severity)) + ": " + sentence(finding) + "\n");
 }
 

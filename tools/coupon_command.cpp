@@ -101,7 +101,7 @@ void write_coupon_files(WriteOptions options, const CLI::App& command) {
   if (fs::exists(options.out / "coupon.json"))
     fail((options.out / "coupon.json").string(), "is there already", "name another folder, or remove that coupon");
   if (on)
-    for (const Finding& finding : check_place(*on, options.coupon.at_mm)) note(finding);
+    for (const Finding& finding : check_place(*on, options.coupon.at_mm)) tell(finding);
   CouponPlan plan = make_coupon(machine, options.coupon);
   make_output_folder(options.out);
   const Board on_machine = coupon_on_machine(plan, on ? &*on : nullptr);
@@ -121,8 +121,8 @@ void write_coupon_files(WriteOptions options, const CLI::App& command) {
   const ToolpathReport report =
       write_toolpath(shifted, on_machine, nullptr, unasked, settings, options.out / "coupon.gcode", bar.progress());
   bar.clear();
-  for (const Finding& finding : plan.findings) note(finding);
-  for (const Finding& finding : report.findings) note(finding);
+  for (const Finding& finding : plan.findings) tell(finding);
+  for (const Finding& finding : report.findings) tell(finding);
   write_scratches(in_coupon(plan, report.sent), options.out / "scratches.csv");
   plan.board.scratches = options.out / "scratches.csv";
   write_board(plan.board, options.out / "board.json");
@@ -182,7 +182,7 @@ Session session_of(const fs::path& photos, const fs::path& board_file, const fs:
   for (const Finding& finding : captured.findings) {
     if (finding.severity == Finding::Severity::error && first.empty()) first = sentence(finding);
     // Findings about the whole session concern boards, which need more photos than a coupon.
-    if (finding.severity != Finding::Severity::error && !finding.file.empty()) note(finding);
+    if (finding.severity != Finding::Severity::error && !finding.file.empty()) tell(finding);
   }
   if (captured.written.empty()) {
     for (const Photo& photo : captured.session.photos) fail_if_another(photo.file, coupon, folder, board);
@@ -272,7 +272,7 @@ void write_machine(const ReadOptions& options, const MachineProfile& machine, co
   const DepthTable table = measured_table(measured);
   const bool presses = machine.depth_by != DepthBy::fixed_z;
   if (presses && table.rows.empty())
-    note(
+    tell(
         make_warning("no depth table: it takes two commands at the usual speed whose depths are known, and depths that "
                      "rise with them",
                      "take the photos that the notes above ask for"));
@@ -301,7 +301,7 @@ void read_coupon_files(ReadOptions options, const CLI::App& command) {
                ", and the coupon was carved by " + coupon.machine + ", whose depth_by is " + coupon.depth_by,
            "give the machine that carved it");
     if (coupon.usual_feed_mm_min != machine->carve_feed_mm_min)
-      note(make_warning(fmt::format("{} carves at {:g} mm/min by now; the depth table will be that of {:g} mm/min",
+      tell(make_warning(fmt::format("{} carves at {:g} mm/min by now; the depth table will be that of {:g} mm/min",
                                     machine->name, machine->carve_feed_mm_min, coupon.usual_feed_mm_min)));
     if (options.out.extension() != ".json") fail(options.out.string(), "is no .json file", "name one for --out");
     std::error_code unknown;
@@ -323,8 +323,8 @@ void read_coupon_files(ReadOptions options, const CLI::App& command) {
   const std::vector<MergedView> photos = photos_for_refine(session, board, calibrated.bench);
   const CouponReading reading = read_coupon_photos(photos, coupon, board, told, calibrated.bench, {}, bar.progress());
   bar.clear();
-  for (const Finding& finding : calibrated.findings) note(finding);
-  for (const Finding& finding : reading.findings) note(finding);
+  for (const Finding& finding : calibrated.findings) tell(finding);
+  for (const Finding& finding : reading.findings) tell(finding);
   print_reading(coupon, reading);
   if (machine)
     write_machine(options, *machine, measured_of(coupon, reading, board, told));

@@ -173,8 +173,8 @@ void run(const DesignArguments& o) {
   const Bench as_known = read_bench_of(board, spec.board, spec.bench);
   Bench bench = as_known;
   if (o.depth_um > 0) bench.material.depth_um = o.depth_um;
-  for (const Finding& finding : bench.findings) note(finding);
-  for (const Finding& finding : height_findings(board, spec.board)) note(finding);
+  for (const Finding& finding : bench.findings) tell(finding);
+  for (const Finding& finding : height_findings(board, spec.board)) tell(finding);
   DesignOptions options = o.design;
   options.start = o.start == "guided" ? Start::guided : Start::random;
   options.exposure_of = o.exposure == "view" ? ExposureOf::view : ExposureOf::light;
@@ -215,7 +215,7 @@ void run(const DesignArguments& o) {
   std::size_t told = 0;  // number of findings before the work began
   options.found = [&](const std::vector<Finding>& findings) {
     bar.clear();
-    for (const Finding& finding : findings) note(finding);
+    for (const Finding& finding : findings) tell(finding);
     told = findings.size();
   };
   const KeptMemory kept;
@@ -225,7 +225,7 @@ void run(const DesignArguments& o) {
   write_or_keep(result, spec, board, bench, o);
   bar.clear();
 
-  for (std::size_t i = told; i < result.findings.size(); ++i) note(result.findings[i]);
+  for (std::size_t i = told; i < result.findings.size(); ++i) tell(result.findings[i]);
   print_views(result);
   for (std::size_t k = 0; k < result.tolerance.size(); ++k)
     print_text("{}\n", tolerance_text(result.views[k].view, result.tolerance[k]));

@@ -129,7 +129,7 @@ void run(const LensArguments& options) {
   std::tie(board.columns, board.rows) = pair_of(options.chessboard, "--chessboard");
   board.square_mm = options.square_mm;
   ChessboardViews found = read_views(options, board);
-  for (const Finding& finding : found.findings) note(finding);  // first: they explain why too few photos remain
+  for (const Finding& finding : found.findings) tell(finding);  // first: they explain why too few photos remain
   found.findings.clear();
   LensSolverOptions solver;
   solver.model = options.model;
@@ -144,16 +144,16 @@ void run(const LensArguments& options) {
   write_cameramodel(s.lens, options.out);
   all.put();
 
-  for (const Finding& finding : found.findings) note(finding);
+  for (const Finding& finding : found.findings) tell(finding);
   print_lens(found, s, options.bow);
   const int parts = parts_covered(found.views, found.width, found.height);
   print_text("coverage {} of 12 parts of the frame; {} shows every corner\n", parts, picture.string());
   constexpr int kFewParts = 10;
   if (parts < kFewParts)
-    note(make_warning("the corners of the frame are not covered: the lens is a guess there",
+    tell(make_warning("the corners of the frame are not covered: the lens is a guess there",
                       "add photos with the board in them"));
   for (const std::string& name : s.not_determined)
-    note(make_warning(name + " is hardly determined", "add photos with the board tilted, in different directions"));
+    tell(make_warning(name + " is hardly determined", "add photos with the board tilted, in different directions"));
   print_text("Wrote {}; next: burin calibrate SESSION.json --camera {} --out DIR\n", options.out.string(),
              shell_word(options.out.string()));
 }

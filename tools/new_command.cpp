@@ -270,9 +270,9 @@ void run(NewArguments o) {
   const Eigen::Vector2d area_mm = board.carve_max_mm - board.carve_min_mm;
   lay_pictures(o, person ? &talk : nullptr, area_mm, project.pictures);
   print_project(o, project, area_mm);
-  for (const Finding& finding : project.bench.findings) note(finding);
+  for (const Finding& finding : project.bench.findings) tell(finding);
   for (const auto& [later, earlier] : same_pictures(project.pictures))
-    note(make_warning(fmt::format("{} and {} are the same picture, which would be shown to two places",
+    tell(make_warning(fmt::format("{} and {} are the same picture, which would be shown to two places",
                                   project.pictures[earlier].file.string(), project.pictures[later].file.string()),
                       "name it once, if that is not meant"));
   const std::string preview = write_project(project);

@@ -153,7 +153,7 @@ Inputs inputs_of_files(const std::filesystem::path& board_file, const std::files
   in.scratches = in.board.scratches;
   if (bench_file.empty()) {
     in.bench = usual_bench(in.board);
-    note(assumed("no --bench: planned for a 50 mm lens on full frame, and a lamp " +
+    tell(assumed("no --bench: planned for a 50 mm lens on full frame, and a lamp " +
                  place_in_words(in.bench.lights[0].position_mm, in.board)));
   } else {
     in.bench = read_bench_of(in.board, in.board_file, bench_file);
@@ -202,12 +202,12 @@ void run(const PlanArguments& arguments) {
     sent = Sent(read_scratches(file));
   } else {
     sent = test_strokes(in.board);
-    note(assumed(fmt::format("no scratches yet: planned with {} test strokes in all directions", sent.size())));
+    tell(assumed(fmt::format("no scratches yet: planned with {} test strokes in all directions", sent.size())));
   }
   if (in.board.tags.list.size() > kMostPlannedTags)
-    note(assumed(fmt::format("planned with {} of the board's {} tags, spread over it: more change no place",
+    tell(assumed(fmt::format("planned with {} of the board's {} tags, spread over it: more change no place",
                              kMostPlannedTags, in.board.tags.list.size())));
-  for (const Finding& finding : in.lamps) note(finding);
+  for (const Finding& finding : in.lamps) tell(finding);
   plan_options.designed = in.designed;
   const PlanFocus focus = plan_focus(in.board, in.bench, in.designed, arguments.focus_mm, arguments.focus_range);
   plan_options.focus = focus.range;
@@ -215,7 +215,7 @@ void run(const PlanArguments& arguments) {
   bar.progress()("planning", 0);
   const Plan plan = plan_shots(in.board, in.bench, sent, plan_options, bar.progress());
   bar.clear();
-  for (const Finding& finding : focus_findings(plan, focus)) note(finding);
+  for (const Finding& finding : focus_findings(plan, focus)) tell(finding);
   print_text("{}\n", focus_in_words(focus));
   print_plan(plan, in.board);
   std::string next = "take these photos; next: burin capture PHOTOS_DIR --board " + shell_word(in.board_file.string());

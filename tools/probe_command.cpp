@@ -44,7 +44,7 @@ void write_probing(ProbeArguments options, const CLI::App& command) {
     fail_unless_probes(read_back(written, gcode, name), plan, machine, name);
   });
   bar.clear();
-  for (const Finding& finding : reach_findings(machine)) note(finding);
+  for (const Finding& finding : reach_findings(machine)) tell(finding);
   const Eigen::Vector2d& first = plan.points_mm.front();
   print_text("touches the face at {}, X{:.2f} Y{:.2f} first and last, and sets Z zero there\n",
              counted(plan.points_mm.size() - 1, "point"), first.x(), first.y());
@@ -63,7 +63,7 @@ void read_heights_of(const ProbeArguments& options) {
   const ProbedHeights probed =
       read_probe_log(read_text(options.log), options.log, read_text(options.probed), options.probed);
   bar.clear();
-  for (const Finding& finding : probed.findings) note(finding);
+  for (const Finding& finding : probed.findings) tell(finding);
   write_heights(probed.map, options.out);
   const auto points = std::count(probed.map.probed.begin(), probed.map.probed.end(), true);
   print_text("{} points, {:.1f} um from the lowest to the highest; the zero moved by {:.1f} um meanwhile\n", points,

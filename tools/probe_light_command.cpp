@@ -46,7 +46,7 @@ Session session_of(const ProbeLightArguments& options, const Board& board, std::
   for (const Finding& finding : findings)
     if (finding.severity == Finding::Severity::error) throw Error(sentence(finding));
   for (const Finding& finding : findings)
-    if (finding.severity == Finding::Severity::warning) note(finding);
+    if (finding.severity == Finding::Severity::warning) tell(finding);
   join_dark_views(folder);
   by_exif = lens_by_exif(folder);
   return std::move(folder.session);
@@ -156,7 +156,7 @@ void probe_room(const ProbeLightArguments& options) {
   }
   const LightProbe probe = light_probe(session, board, how, bar.progress());
   bar.clear();
-  for (const Finding& finding : probe.findings) note(finding);
+  for (const Finding& finding : probe.findings) tell(finding);
   write_probe(probe, options.out);
   print_probe(probe, bench.has_value());
   const Eigen::Vector3d& d = probe.brightest.direction;

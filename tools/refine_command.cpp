@@ -243,7 +243,7 @@ void add_refine_command(CLI::App& burin) {
     }
     all.put();
     bar.clear();
-    for (const Finding& finding : result.findings) note(finding);
+    for (const Finding& finding : result.findings) tell(finding);
     print_result(result, board, sent);
     if (!held.pixels.empty()) print_text("{}", pixels_in_words(held.pixels));
     const std::string bench = options->bench.string();

@@ -99,7 +99,7 @@ void run(RenderArguments o, const CLI::App& command) {
   if (o.animation.has_extension()) find_place(o.animation);
   Board board = read_board(o.board);
   const Bench bench = read_bench_of(board, o.board, o.bench);
-  for (const Finding& finding : bench.findings) note(finding);
+  for (const Finding& finding : bench.findings) tell(finding);
   if (bench.lights.empty()) fail(o.bench.string(), "has no lights", "add one, or calibrate the bench");
   if (!o.scratches.empty()) board.scratches = o.scratches;
   if (board.scratches.empty())
@@ -119,7 +119,7 @@ void run(RenderArguments o, const CLI::App& command) {
   fail_unless_sees(view, board);
   fail_unless_lights(light, board);
   if (!is_in_picture(bench, view, board))
-    note(make_warning("view " + view.name + ": nothing of the board lies in its picture",
+    tell(make_warning("view " + view.name + ": nothing of the board lies in its picture",
                       "check its T_camera_board and the lens in the bench"));
 
   bar.progress()("rendering", 0.2);

@@ -76,8 +76,8 @@ void run(SheetArguments options) {
   write_text(plan_text(sheet.plan, wanted.board, sheet.focus, plan), plan);
   all.put();
   record_sheet({options.project}, wanted, out);
-  for (const Finding& finding : findings(sheet)) note(finding);
-  for (const Finding& finding : focus_findings(sheet.plan, sheet.focus)) note(finding);
+  for (const Finding& finding : findings(sheet)) tell(finding);
+  for (const Finding& finding : focus_findings(sheet.plan, sheet.focus)) tell(finding);
   print_text("Wrote {}: {} and {} in order; print it, or open it on a phone; next: {}\n", written,
              counted(sheet.places.size(), "place"), counted(sheet.plan.shots.size(), "photo"),
              "burin loop " + shell_word(options.project.string()));

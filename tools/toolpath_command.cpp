@@ -59,7 +59,7 @@ Scratches scratches_of(const ToolpathArguments& options, const Board& board, con
   Mended mended = mend(scratches, limits);
   bar.clear();
   if (mended.rows.size() < scratches.size())
-    note(make_warning(fmt::format("mended: {} of {} scratches are left out, {}", scratches.size() - mended.rows.size(),
+    tell(make_warning(fmt::format("mended: {} of {} scratches are left out, {}", scratches.size() - mended.rows.size(),
                                   scratches.size(), dropped_text(mended.dropped))));
   return std::move(mended.scratches);
 }
@@ -130,7 +130,7 @@ void write(const ToolpathArguments& options) {
   std::optional<Bench> bench;
   if (!options.bench.empty()) bench = read_bench_of(board, options.board, options.bench);
   if (bench)
-    for (const Finding& finding : bench->findings) note(finding);
+    for (const Finding& finding : bench->findings) tell(finding);
   ProgressBar bar;
   const Scratches scratches = scratches_of(options, board, bench ? &*bench : nullptr, machine, bar);
   ToolpathOptions settings;
@@ -157,7 +157,7 @@ void write(const ToolpathArguments& options) {
   }
   all.put();
   bar.clear();
-  for (const Finding& finding : report.findings) note(finding);
+  for (const Finding& finding : report.findings) tell(finding);
 
   for (std::size_t i = 0; i < report.files.size(); ++i)
     print_text("{}  {}\n", report.files[i].string(), duration_text(report.file_duration_s[i]));

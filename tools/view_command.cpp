@@ -73,7 +73,7 @@ void run(ViewArguments o) {
   }
   write_text(page, out);
   bar.clear();
-  for (const Finding& finding : findings) note(finding);
+  for (const Finding& finding : findings) tell(finding);
   std::size_t most = 0;
   for (const ViewedBoard& board : view.boards) most = std::max(most, grooves_of(board.carved));
   print_text(

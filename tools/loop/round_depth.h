@@ -17,6 +17,8 @@ struct RoundDepth {
   double wanted_um = 0;   ///< in board.json
   double depth_um = 0;    ///< of the design: as wanted, or the nearest in the machine's table
   double command_um = 0;  ///< commanded for it
+
+  bool as_wanted() const { return std::abs(depth_um - wanted_um) < 0.01; }
 };
 
 /// Computes the depth of round `number`. Returns nothing without a measured depth, and if the measured depth agrees

@@ -25,7 +25,7 @@ void write_round_design(const Project& project, int number, const fs::path& file
     const fs::path measured = project.bench_before(number), named = file.parent_path() / "bench-before.json";
     const Matching matching = match_round(project, number - 1);
     require_complete(matching, measured);
-    for (const Finding& finding : matched_findings(matching, measured)) note(finding);
+    for (const Finding& finding : matched_findings(matching, measured)) tell(finding);
     write_bench(matching.bench, read_board(spec.board).tool_width_um, named);
     spec.bench = named;
   }

@@ -150,7 +150,7 @@ bool make_design(const LoopProject& loop, int number) {
   }
   if (const auto depth = depth_of_round(loop.project, loop.options, number);
       depth && !loop.options.design.contains("depth") && !loop.options.design.contains("free-depth")) {
-    note(Finding{depth->as_wanted() ? Finding::Severity::note : Finding::Severity::warning, {}, in_words(*depth), ""});
+    tell(Finding{depth->as_wanted() ? Finding::Severity::note : Finding::Severity::warning, {}, in_words(*depth), ""});
     words.emplace_back("--depth");
     words.push_back(shortest(depth->depth_um));
   }

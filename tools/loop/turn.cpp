@@ -171,12 +171,12 @@ void refuse_unknown(Turn& turn, int round) {
     const LoopQuestion question = question_of(loop, round, told.open);
     fail(loop.project.round(round).string(), question.what, question.remedy);
   }
-  for (const Finding& weak : told.weak) note(weak);
+  for (const Finding& weak : told.weak) tell(weak);
   std::vector<std::string> names;
   for (const UnknownParameter& u : told.accepted) {
     names.push_back(u.name);
     const bool refuted = rests_on(u.verdict, Cause::Kind::believed_refuted);
-    note(make_warning(in_short({u}) + "; the next design goes on with what " +
+    tell(make_warning(in_short({u}) + "; the next design goes on with what " +
                       (u.verdict.known() ? "the photos told"
                        : refuted         ? "explains the photos best"
                                          : "was believed") +

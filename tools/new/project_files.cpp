@@ -184,9 +184,9 @@ std::string preview_project(const fs::path& folder, const fs::path& project, dou
   bar.clear();
   for (Finding finding : result.findings) {
     if (finding.file.is_absolute()) finding.file = project / finding.file.lexically_relative(folder);
-    note(finding);
+    tell(finding);
   }
-  if (unlike > 0) note(why_unlike(unlike, views, board));
+  if (unlike > 0) tell(why_unlike(unlike, views, board));
   const Image& picture = result.views.front().shown;
   const int px = std::max(picture.width, picture.height);
   return fmt::format(

@@ -17,6 +17,11 @@ namespace {
 
 constexpr std::size_t kMostCards = 6;  // more are hard to read
 
+std::string begun_with_capital(std::string text) {
+  if (!text.empty() && text.front() >= 'a' && text.front() <= 'z') text.front() = static_cast<char>(text.front() - 32);
+  return text;
+}
+
 // Turns a finding's half sentence into a sentence.
 std::string whole_sentence(std::string text) {
   text = begun_with_capital(std::move(text));

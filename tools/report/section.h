@@ -38,6 +38,9 @@ std::optional<Section> session_section(const std::filesystem::path& folder, cons
 /// and the contact sheet.
 std::optional<Section> design_section(const std::filesystem::path& folder);
 
+/// Notes and warnings in a design-report.json. Before 0.2.0, "warnings" held both: they are read as warnings.
+std::vector<Finding> design_findings(JsonObject& report);
+
 /// Section of a loop project: its rounds side by side with the targets. The newest round's session and design are
 /// folded.
 std::optional<Section> project_section(const std::filesystem::path& folder, const Progress& progress);
