@@ -60,29 +60,29 @@ std::unique_ptr<ThreadLimit> thread_limit(const std::string& count, const char* 
 
 std::unique_ptr<CLI::App> make_app() {
   auto burin = std::make_unique<CLI::App>(
-      "Turns pictures into scratches on a metal board, and photographs of that board into better scratches.", "burin");
+      "Design boards of scratches that show pictures, calibrate them from photos, and improve the next design",
+      "burin");
   burin->set_version_flag("--version", "burin " BURIN_VERSION);
   burin->footer(
-      "`burin help COMMAND` shows a command's options and an example. Begin with `burin new`.\n"
-      "BURIN_THREADS and BURIN_SIMD stand for --threads and --simd.");
+      "Run `burin help COMMAND` for options and an example. Start with `burin new`.\n"
+      "BURIN_THREADS and BURIN_SIMD set the defaults of --threads and --simd.");
   burin->require_subcommand(1);
   // The limit must exist before a command's work begins, and lives as long as the app.
   const auto limit = std::make_shared<std::unique_ptr<ThreadLimit>>();
   burin
       ->add_option_function<std::string>(
           "--threads", [limit](const std::string& count) { *limit = thread_limit(count, "--threads"); },
-          "Number of threads at most (default: all cores)")
+          "Use at most this number of threads [default: all cores]")
       ->type_name("N");
   const auto choice = std::make_shared<std::unique_ptr<SimdChoice>>();
   burin
       ->add_option_function<std::string>(
           "--simd", [choice](const std::string& name) { *choice = simd_choice(name, "--simd"); },
-          "Which of the processor's instructions pictures are computed with: sse2, avx2 or avx512 (the widest it has "
-          "unless given, here or as BURIN_SIMD); the same ones give the same design on another machine")
+          "Use these vector instructions: sse2, avx2 or avx512; equal ones reproduce a design [default: the widest]")
       ->type_name("NAME");
   // take_output_mode() removes these before parsing (tools/output_mode.h). Here they only appear in --help.
   burin->add_flag("--quiet")->description("Print only notes, warnings and errors");
-  burin->add_flag("--json")->description("Say all in one JSON object when it is done");
+  burin->add_flag("--json")->description("Print one JSON object at the end instead of text");
   const auto group = [&](const char* name, std::initializer_list<void (*)(CLI::App&)> commands) {
     const std::size_t before = burin->get_subcommands({}).size();
     for (const auto add_command : commands) add_command(*burin);

@@ -68,30 +68,27 @@ void run(LoopArguments o) {
 
 void add_loop_command(CLI::App& burin) {
   auto o = std::make_shared<LoopArguments>();
-  CLI::App* command = burin.add_subcommand(
-      "loop", "Design, carve, photograph, measure, and design again for the bench as it is; goes on where it stopped");
-  command->add_option(
-      "PROJECT_DIR", o->project.folder,
-      "A folder with board.json, design.json and a nominal bench.json; left out: the working directory's project");
+  CLI::App* command =
+      burin.add_subcommand("loop", "Run all steps from design to redesign in order, and resume after an interruption");
+  command->add_option("PROJECT_DIR", o->project.folder,
+                      "Use this folder with board.json, design.json and a nominal bench.json [default: the working "
+                      "directory's project]");
   command->add_option("--again", o->answers.again,
-                      "Make this stage anew, and what follows from it: design, toolpath, board, capture, calibrate, "
-                      "refine, report (of the last round that has it), or round-02/refine; what it replaces is kept in "
-                      "the round's former/");
+                      "Repeat this stage and its successors: design, toolpath, board, capture, calibrate, refine, "
+                      "report, or round-02/refine");
   command->add_flag("--keep", o->answers.keep,
-                    "Go on with what is out of date, was changed by hand, was ended early or has no record, as it is");
-  command->add_flag("--another", o->answers.another,
-                    "Go on with another board where the last one shows what was promised and the next would gain less "
-                    "than is seen");
+                    "Continue with outdated, edited, unfinished or unrecorded results as they are");
+  command->add_flag("--another", o->answers.another, "Design another board although its expected gain is not visible");
   command->add_option("--accept-unknown", o->answers.accept_unknown,
-                      "Design the next board although the photos left this parameter open: depth_um, alpha, "
-                      "machine.affine, light.ID.position_mm (depth and lamps: also where they tell it only weakly)");
+                      "Continue with this undetermined or weakly determined parameter: depth_um, alpha, machine.affine "
+                      "or light.ID.position_mm");
   command->add_option("--view", o->views,
-                      "Which measured view is the designed one, where the loop asks: middle=v01 (kept in the round's "
-                      "names.json; middle= takes it back)");
-  command->add_option("--lamp", o->lamps, "The same of a lamp: ceiling=lamp");
+                      "Assign a photographed view to a designed one, in names.json: middle=v01 (undo: middle=)");
+  command->add_option("--lamp", o->lamps,
+                      "Assign a measured lamp to a designed one, in names.json: ceiling=lamp (undo: ceiling=)");
   command
       ->add_option("--rounds", o->answers.simulated_rounds,
-                   "With a truth.json: how many boards to carve and photograph")
+                   "Simulate this number of boards in a project that has a truth.json")
       ->check(CLI::Range(1, 99))
       ->capture_default_str();
   add_loop_options(*command, o->said);

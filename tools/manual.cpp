@@ -101,7 +101,7 @@ std::string commands_page(const CLI::App& burin) {
   std::string out =
       "# Commands\n\nThis reference lists every command and option for those who use the command line.\n"
       "The program writes this page (`burin_manual`): edit the options' descriptions in `tools/`, not this file.\n"
-      "\nOptions of every command, before or behind its name:\n\n";
+      "\nEvery command accepts these options, before or after its name:\n\n";
   out += option_lines(burin);
   std::string group;
   for (const CLI::App* command : burin.get_subcommands({})) {
@@ -124,10 +124,9 @@ std::string manual_page(const CLI::App& burin, const CLI::App* command) {
     commands += fmt::format(".TP\n.BR burin\\-{} (1)\n{}\n", roff(c->get_name()), roff(c->get_description()));
   return title("burin") +
          fmt::format(
-             ".SH NAME\nburin \\- pictures into scratches on metal, and photographs into better scratches\n"
+             ".SH NAME\nburin \\- design, calibrate and improve boards of scratches that show pictures\n"
              ".SH SYNOPSIS\n.B burin [OPTIONS] COMMAND ...\n.SH DESCRIPTION\n{}\n.SH COMMANDS\n{}.SH OPTIONS\n{}"
-             ".SH EXIT STATUS\n0 done; 1 could not be done, one sentence says why and what to do; 2 the command "
-             "line is wrong.\n",
+             ".SH EXIT STATUS\n0 done; 1 failed, with the reason and a fix; 2 wrong command line.\n",
              roff(burin.get_description()), commands, options_of(burin));
 }
 

@@ -291,34 +291,37 @@ void run(NewArguments o) {
 void add_new_command(CLI::App& burin) {
   auto o = std::make_shared<NewArguments>();
   CLI::App* c = burin.add_subcommand(
-      "new", "Make a project of your own pictures, with a preview in seconds; without options, it asks");
-  c->add_option("DIR", o->folder, "The project's folder, which is not there yet");
-  c->add_option("--pictures", o->pictures, "One to nine pictures, a place to stand for each")
+      "new", "Create a project from pictures, with a preview; without options, ask at the terminal");
+  c->add_option("DIR", o->folder, "Create this project folder, which must not exist yet");
+  c->add_option("--pictures", o->pictures, "Show these one to nine pictures, one viewpoint each")
       ->type_name("PICTURE ...")
       ->expected(1, -1);
-  c->add_option("--board", o->board, "Width x height of the sheet: 200x150 (mm; so if left out), 20x15cm, 8x6in");
-  c->add_option(
-       "--camera", o->camera,
-       "phone (so if left out), a focal length as on film (50mm), a photo that the camera took, or a .cameramodel")
+  c->add_option("--board", o->board,
+                "Set the sheet's width x height, mm or with a unit: 200x150, 20x15cm, 8x6in [default: 200x150]");
+  c->add_option("--camera", o->camera,
+                "Use this camera: phone, a 35 mm equivalent focal length (50mm), a photo from it, or a .cameramodel "
+                "[default: phone]")
       ->type_name("CAMERA");
-  c->add_option(
-       "--lamp", o->lamp,
-       "above (so if left out), left, right or below the board, 40 degrees to that side, with a distance if you "
-       "like (\"above 600mm\"); or its place X,Y,Z in mm from the lower left corner")
+  c->add_option("--lamp", o->lamp,
+                "Place the lamp above, left, right or below, 40 degrees off (\"above 600mm\"), or at X,Y,Z from the "
+                "lower left corner, mm [default: above]")
       ->type_name("LAMP");
-  c->add_option("--stand", o->stand, "How far the eyes are from the board: 1.2m, 48in (left out: by the board's size)");
-  c->add_option("--machine", o->machine, "grbl-spring (so if left out), another built-in one, or a burin/machine file")
+  c->add_option("--stand", o->stand,
+                "Set the distance from eye to board: 1.2m, 48in [default: about four times the board's diagonal]");
+  c->add_option("--machine", o->machine, "Use this built-in machine or burin/machine file [default: grbl-spring]")
       ->type_name("MACHINE");
-  c->add_option("--fit", o->fit, "cover (fills the board, crops) or contain (all of it): one for all, or one for each")
+  c->add_option(
+       "--fit", o->fit,
+       "Fit pictures by filling the board (cover) or whole (contain): one word, or one per picture [default: auto]")
       ->type_name("WORD ...")
       ->expected(1, -1)
       ->check(CLI::IsMember({"cover", "contain"}));
-  c->add_option("--keep", o->keep,
-                "What a crop keeps: top, middle, bottom, left or right; one for all, or one for each")
+  c->add_option("--keep", o->keep, "Keep this part of cropped pictures: one word, or one per picture [default: auto]")
       ->type_name("WORD ...")
       ->expected(1, -1)
       ->check(CLI::IsMember({"top", "middle", "bottom", "left", "right"}));
-  c->add_option("--scratches", o->scratches, "How many the design begins with (left out: 4000 for each picture)")
+  c->add_option("--scratches", o->scratches,
+                "Start the design with this number of scratches [default: 4000 per picture]")
       ->check(CLI::Range(1, 2000000));
   c->footer(
       example("burin new my-board --board 200x150 --pictures a.jpg b.jpg c.jpg\n"

@@ -118,8 +118,8 @@ void run(const fs::path& given) {
 void add_status_command(CLI::App& burin) {
   auto folder = std::make_shared<fs::path>();
   CLI::App* command =
-      burin.add_subcommand("status", "Show a loop project: rounds, stages, what each rests on, what comes next");
-  command->add_option("PROJECT_DIR", *folder, "The project, as burin loop takes it; left out: the working directory's");
+      burin.add_subcommand("status", "Show a project's rounds and stages, their inputs and the next step");
+  command->add_option("PROJECT_DIR", *folder, "Show this project [default: the working directory's project]");
   command->footer(
       example("burin status samples/small-bench\n"
               "  burin status samples/small-bench --json      # the same for programs, with all hashes"));

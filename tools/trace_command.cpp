@@ -157,12 +157,13 @@ void add_trace_command(CLI::App& burin) {
     fs::path file, project;
   };
   auto o = std::make_shared<Options>();
-  CLI::App* command = burin.add_subcommand(
-      "trace", "Follow a result of burin loop back to photos and pictures, and say whether they are still the same");
+  CLI::App* command =
+      burin.add_subcommand("trace", "Trace a result to its input files, and check that they are unchanged");
   command
-      ->add_option("FILE", o->file, "A G-code, report, bench, table of scratches...; a copy is found by its contents")
+      ->add_option("FILE", o->file, "Trace this G-code, report, bench.json or table; copies are found by content hash")
       ->required();
-  command->add_option("--project", o->project, "The project that made it, if it does not lie in it");
+  command->add_option("--project", o->project,
+                      "Search this project for the file's origin [default: the file's own project]");
   command->footer(example("burin trace small-bench/round-01/board.gcode"));
   command->callback([o] { run(o->file, o->project); });
 }

@@ -198,17 +198,17 @@ LoopOptions read_loop_options(const fs::path& project) {
 
 void add_loop_options(CLI::App& command, LoopCommandLine& said) {
   command.add_option("--machine", said.machine,
-                     built_in_machines() + ", or a burin/machine file in JSON or TOML; kept in PROJECT_DIR/loop.toml");
+                     "Carve on this machine: " + built_in_machines() +
+                         ", or a burin/machine file (JSON or TOML), kept in loop.toml [default: grbl]");
   said.design = command.add_option_group("design", "Options of burin design, kept in PROJECT_DIR/loop.toml");
   said.design_values = add_design_options(*said.design);
-  said.toolpath = command.add_option_group("toolpath", "Options of burin toolpath, kept there too");
+  said.toolpath = command.add_option_group("toolpath", "Options of burin toolpath, kept in PROJECT_DIR/loop.toml");
   said.toolpath_values = add_toolpath_options(*said.toolpath);
-  said.capture = command.add_option_group("capture", "Options of burin capture, kept there too");
+  said.capture = command.add_option_group("capture", "Options of burin capture, kept in PROJECT_DIR/loop.toml");
   said.capture_values = add_capture_options(*said.capture);
-  command.add_option(
-      "--travel", said.travel,
-      "How far the machine goes from the board's lower left corner: 300x180, or unknown; kept there, and "
-      "asked for once at a terminal");
+  command.add_option("--travel", said.travel,
+                     "Set the machine's reach from the board's lower left corner, mm: 300x180, or unknown; kept in "
+                     "loop.toml [default: ask once at a terminal]");
 }
 
 namespace {
