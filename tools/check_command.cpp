@@ -194,46 +194,51 @@ void add_carve_check(CLI::App& check) {
   auto options = std::make_shared<CarveOptions>();
   CarveCheckFiles& files = options->files;
   CLI::App* carve = check.add_subcommand(
-      "carve",
-      "Before metal moves: one page of what the G-code will do to the board, and the errors that would spoil it");
+      "carve", "Check tool path and board before carving, and write a page of errors and warnings");
   carve
       ->add_option("SCRATCHES.csv", options->what,
-                   "The scratches that are to be carved, or the folder of a loop's round; in a project, its machine, "
-                   "board and bench are taken unless they are said")
+                   "Check these scratches, or this round folder with its project's machine, board and bench")
       ->required();
-  carve->add_option("--gcode", files.gcode, "The files that the machine will get, in order");
-  carve->add_option("--board", files.board, "board.json");
-  carve->add_option("--bench", files.bench, "bench.json, as given to burin toolpath");
-  carve->add_option("--design", files.design, "design.json: the views that the scratches must glint for");
-  carve->add_option("--previews", files.folder, "The folder that burin design filled");
-  carve->add_option("--machine", files.machine, built_in_machines() + ", or a burin/machine file in JSON or TOML")
+  carve->add_option("--gcode", files.gcode, "Check these G-code files, in carving order");
+  carve->add_option("--board", files.board, "Use this board (board.json) [default: the project's]");
+  carve->add_option("--bench", files.bench,
+                    "Use the setup given to burin toolpath (bench.json) [default: the project's]");
+  carve->add_option("--design", files.design, "Check the views of this design.json against the scratches");
+  carve->add_option("--previews", files.folder, "Show the previews from this output folder of burin design");
+  carve
+      ->add_option("--machine", files.machine,
+                   "Use this machine instead of the project's: " + built_in_machines() +
+                       ", or a burin/machine file (JSON or TOML)")
       ->capture_default_str();
-  CLI::Option* heights = carve->add_option("--heights", files.heights, "heights.json that the G-code follows");
-  carve->add_flag("--follow-bow", files.follow_bow, "The G-code follows the bench's measured bow")->excludes(heights);
-  carve->add_option("--out", options->out, "The page (carve-check.html in the round's or the working folder)");
+  CLI::Option* heights =
+      carve->add_option("--heights", files.heights, "Use the height map that the G-code follows (heights.json)");
+  carve->add_flag("--follow-bow", files.follow_bow, "Expect G-code that follows the measured warp of the board")
+      ->excludes(heights);
+  carve->add_option("--out", options->out,
+                    "Write this page [default: carve-check.html in the round's or working folder]");
   carve->footer(example("burin check carve round-01\n"
                         "  burin check carve scratches.csv --board board.json --gcode board.gcode --out check.html") +
-                "\nExit code 1 if there is an error.");
+                "\nThe exit code is 1 if the page has an error.");
   carve->callback([options, carve] { check_before_carving(*options, *carve); });
 }
 
 }  // namespace
 
 void add_check_command(CLI::App& burin) {
-  CLI::App* check = burin.add_subcommand("check", "Look before metal moves; compare Burin with known answers");
+  CLI::App* check = burin.add_subcommand("check", "Run pre-flight checks before carving, or a numerical self-test");
   check->require_subcommand(1);
   check->footer(example("burin check carve round-01\n  burin check ndf CASES.csv"));
   add_carve_check(*check);
   auto options = std::make_shared<CheckArguments>();
   CLI::App* ndf = check->add_subcommand(
-      "ndf",
-      "Compare the footprint integral with a table of known values: prints value, gradient and error of each row");
+      "ndf", "Compare the footprint integral with reference values, and print the error of each row");
   ndf->add_option("CASES.csv", options->cases,
-                  "Table with the columns that burin/render/footprint/ndf_cases.h describes")
+                  "Read the reference values, with the columns of burin/render/footprint/ndf_cases.h")
       ->required();
-  ndf->add_flag("--brief", options->brief, "Leave out the gradients");
-  ndf->footer(example("burin check ndf CASES.csv") +
-              "\nExit code 1 if a row is beyond its tolerance (1e-9 relative; gradients 1e-8 of the row's largest).");
+  ndf->add_flag("--brief", options->brief, "Omit the gradients");
+  ndf->footer(
+      example("burin check ndf CASES.csv") +
+      "\nThe exit code is 1 if a row exceeds its tolerance (1e-9 relative; gradients 1e-8 of the row's largest).");
   ndf->callback([options] { check_ndf(*options); });
 }
 

@@ -339,55 +339,68 @@ void read_coupon_files(ReadOptions options, const CLI::App& command) {
 }  // namespace
 
 void add_coupon_command(CLI::App& burin) {
-  CLI::App* coupon = burin.add_subcommand("coupon", "Measure a machine by a patch of test scratches and three photos");
+  CLI::App* coupon =
+      burin.add_subcommand("coupon", "Calibrate a machine's groove depth from a test patch and at least three photos");
   coupon->require_subcommand(1);
   coupon->footer(example("burin coupon write --machine grbl-spring --number 3 --out coupon-3"));
   auto options = std::make_shared<WriteOptions>();
   CLI::App* write = coupon->add_subcommand(
-      "write",
-      "Lay out a coupon of 60 mm: fans of scratches for each preload and speed, dated and numbered, with tags");
-  write->add_option("--machine", options->machine, built_in_machines() + ", or a burin/machine file in JSON or TOML")
+      "write", "Write a 60 mm coupon: tags, number, date, and fans of scratches per preload and speed");
+  write
+      ->add_option("--machine", options->machine,
+                   "Use this machine instead of the project's: " + built_in_machines() +
+                       ", or a burin/machine file (JSON or TOML)")
       ->capture_default_str();
-  write->add_option("--out", options->out, "The folder for coupon.json, board.json, scratches.csv and coupon.gcode")
+  write
+      ->add_option("--out", options->out,
+                   "Write coupon.json, board.json, scratches.csv and coupon.gcode to this folder")
       ->required();
-  write->add_option(
-      "--on", options->on,
-      "The board.json of a board on whose face it is carved, in a corner without tags; left out: on scrap, "
-      "which is simpler");
-  write->add_option("--at", options->at_mm, "Where its lower-left corner lies from work zero: X Y, mm")->expected(2);
-  CLI::Option* preloads = write->add_option("--preloads", options->coupon.commands,
-                                            "What to tell the machine, softest first: mm below contact, or S values");
-  write->add_option("--depths", options->coupon.depths_um, "Depths to tell it instead, um, shallowest first")
+  write->add_option("--on", options->on,
+                    "Carve on this board (board.json), in a corner without tags [default: scrap metal]");
+  write
+      ->add_option("--at", options->at_mm,
+                   "Place the coupon's lower left corner at X Y from work zero, mm [default: 0 0]")
+      ->expected(2);
+  CLI::Option* preloads =
+      write->add_option("--preloads", options->coupon.commands,
+                        "Carve at these preloads, softest first: mm below contact, or S values [default: auto]");
+  write
+      ->add_option("--depths", options->coupon.depths_um,
+                   "Carve at these depths instead of --preloads, um, shallowest first")
       ->excludes(preloads);
   write->add_option("--feeds", options->coupon.feeds_mm_min,
-                    "Speeds beside the machine's carve_feed_mm_min, mm/min; left out: a quarter and a half of it");
+                    "Test these speeds too, mm/min [default: a quarter and a half of carve_feed_mm_min]");
   write->add_option("--spacings", options->coupon.spacings_mm,
-                    "Of neighboring scratches, mm: the first for all fans, the others tried at the middle preload");
-  write->add_option("--date", options->coupon.date, "What is carved as the date; left out: today");
-  write->add_option("--number", options->coupon.number, "The coupon's number, which its tags follow")
+                    "Set the spacing of all fans, mm, then others to test at the middle preload [default: 0.27 0.2]");
+  write->add_option("--date", options->coupon.date, "Carve this text as the date [default: today]");
+  write->add_option("--number", options->coupon.number, "Set the coupon's number, which selects its tags")
       ->check(CLI::Range(1, kMostCoupons))
       ->capture_default_str();
-  write->add_option("--tool-width", options->tool_width_um, "wt of the tool: four times the radius of its tip, um")
+  write
+      ->add_option("--tool-width", options->tool_width_um,
+                   "Set the tool's width wt, four times its tip's radius, um [default: the board's, else 400]")
       ->check(CLI::PositiveNumber);
-  write->add_option("--depth", options->depth_um, "The usual depth, for a machine that goes to a fixed Z, um")
+  write
+      ->add_option("--depth", options->depth_um,
+                   "Set the nominal depth of a machine with fixed Z, um [default: the board's, else 10]")
       ->check(CLI::PositiveNumber);
   write->footer(
       example("burin coupon write --machine grbl-spring --number 3 --out coupon-3\n"
               "  burin coupon write --machine grbl --depths 6 10 14 20 --feeds 300 --number 4 --out coupon-4"));
   write->callback([options, write] { write_coupon_files(*options, *write); });
   auto reading = std::make_shared<ReadOptions>();
-  CLI::App* read = coupon->add_subcommand(
-      "read", "Measure depth and roughness for each preload and speed from three photos or more");
-  read->add_option("COUPON_DIR", reading->folder, "The folder that burin coupon write made")->required();
-  read->add_option("--photos", reading->photos, "The folder of its photos, or a session.json of them")->required();
-  read->add_option("--camera", reading->camera, "The camera's lens, if it was measured (burin lens): .cameramodel");
+  CLI::App* read =
+      coupon->add_subcommand("read", "Measure depth and roughness per preload and speed from at least three photos");
+  read->add_option("COUPON_DIR", reading->folder, "Read the coupon from this output folder of burin coupon write")
+      ->required();
+  read->add_option("--photos", reading->photos, "Read the photos from this folder or session.json")->required();
+  read->add_option("--camera", reading->camera,
+                   "Use this calibrated lens (.cameramodel) [default: solved from the photos]");
   CLI::Option* machine =
       read->add_option("--machine", reading->machine,
-                       "The machine that carved it, whose file what is measured goes into: " + built_in_machines() +
-                           ", or a burin/machine file");
-  CLI::Option* out = read->add_option("--out", reading->out,
-                                      "The machine's file to write (.json); the one of --machine itself is brought up "
-                                      "to date, and kept beside as .former");
+                       "Add the measurements to this machine: " + built_in_machines() + ", or a burin/machine file");
+  CLI::Option* out = read->add_option(
+      "--out", reading->out, "Write this machine file (.json); if it is --machine's own, keep the old one as .former");
   machine->needs(out);
   read->footer(example("burin coupon read coupon-3 --photos photos --machine grbl-spring --out machine.json"));
   read->callback([reading, read] { read_coupon_files(*reading, *read); });

@@ -271,99 +271,111 @@ void set_seldom_ones_apart(CLI::App& command, std::size_t first) {
 
 void add_options(CLI::App& command, DesignArguments& o) {
   const std::size_t first = command.get_options().size();
-  command.add_option("--scratches", o.scratches, "How many to start with, instead of DESIGN.json's")
+  command.add_option("--scratches", o.scratches, "Start with this number of scratches [default: DESIGN.json's]")
       ->check(CLI::Range(1, 2000000));
-  command.add_option("--iterations", o.design.iterations, "Steps of the optimizer")->capture_default_str();
-  command.add_option("--time", o.time, "Stop after about this long: 30s, 5min, 1h30min (a bare number: seconds)")
+  command.add_option("--iterations", o.design.iterations, "Run this number of optimizer iterations, 0 to 1000000")
+      ->capture_default_str();
+  command
+      .add_option("--time", o.time,
+                  "Limit the whole design to about this time: 30s, 5min, 1h30min, or a number of seconds")
       ->check(wrong_duration);
   command
-      .add_option(
-          "--pixels", o.design.pixels,
-          "Pixels along the longer side of the carve area (0: 512, or fewer where scratches cannot fill so many)")
+      .add_option("--pixels", o.design.pixels,
+                  "Set the pixels along the carve area's longer side, 16 to 8192; 0: automatic, at most 512")
       ->capture_default_str();
-  command.add_option("--seed", o.design.seed, "Of the random start")->capture_default_str();
-  command.add_option("--start", o.start, "Where scratches begin: where the pictures want them, or anywhere")
+  command.add_option("--seed", o.design.seed, "Set the random seed of the start and of the re-insertion searches")
+      ->capture_default_str();
+  command
+      .add_option("--start", o.start,
+                  "Start from a greedy search for the targets (guided) or at random places (random)")
       ->check(CLI::IsMember({"guided", "random"}))
       ->capture_default_str();
-  command.add_option("--from", o.from, "Go on from these scratches instead of starting anew")->type_name(kFile);
-  command
-      .add_option("--carved", o.carved,
-                  "Scratches that are in the metal already, as the machine was told them: they lie where the bench's "
-                  "machine.affine brings them, and the rest is designed around them")
+  command.add_option("--from", o.from, "Continue from these scratches (CSV) instead of a new start")->type_name(kFile);
+  command.add_option("--carved", o.carved, "Design around existing grooves, given by their commanded positions (CSV)")
       ->type_name(kFile);
   command.add_option(
       "--start-length", o.design.start_length_mm,
-      "Mean length of scratches at the start, mm; those that are searched are a tenth of it to ten times "
-      "as long (0: chosen)");
+      "Set the scratches' mean initial length, mm; searches allow a tenth to ten times it [default: auto]");
   command
       .add_option("--start-light", o.design.start_light,
-                  "Guided start: light that a scratch brings to a pixel that it crosses, of white")
+                  "Set the light that a scratch adds to a crossed pixel in a guided start, fraction of white")
       ->capture_default_str();
   command
-      .add_option(
-          "--lift-blacks", o.design.lift_blacks,
-          "Where nothing is dark, as in a room: how far a picture's black is taken for a gray that there is, from 0 "
-          "(not at all) to 1")
+      .add_option("--lift-blacks", o.design.lift_blacks,
+                  "Lift black to a reachable gray under light from all sides, strength 0 (off) to 1")
       ->capture_default_str();
   command
-      .add_option("--start-sweeps", o.design.start_sweeps, "Guided start: times that each scratch seeks a better place")
-      ->capture_default_str();
-  command.add_option("--relocate-every", o.design.relocate_every, "Iterations between such searches (0: never)")
-      ->capture_default_str();
-  command.add_option("--candidates", o.design.candidates, "Places tried for each scratch in a search")
+      .add_option("--start-sweeps", o.design.start_sweeps,
+                  "Improve each scratch's place this number of times in a guided start")
       ->capture_default_str();
   command
-      .add_option("--relocate-share", o.design.relocate_share, "Share of the scratches that may change their view then")
+      .add_option("--relocate-every", o.design.relocate_every,
+                  "Set the number of iterations between re-insertion searches; 0: none")
+      ->capture_default_str();
+  command
+      .add_option("--candidates", o.design.candidates,
+                  "Try this number of places per scratch in each re-insertion search, 1 to 10000")
+      ->capture_default_str();
+  command
+      .add_option("--relocate-share", o.design.relocate_share,
+                  "Let each re-insertion search move this share of the scratches to another view")
       ->capture_default_str();
   command
       .add_option("--balance", o.design.balance,
-                  "How much views worse than others draw scratches (0: not; 1: strongly)")
+                  "Set the strength of view reweighting toward poor views, 0 (off) to 10")
       ->capture_default_str();
   command
       .add_option("--relocate-until", o.design.relocate_until,
-                  "Part of the run after which there are none; less where crossings show")
+                  "End re-insertion searches after this share of the run; less if grooves cut each other")
       ->capture_default_str();
   command
       .add_option("--start-exposure", o.design.start_exposure,
-                  "Random start: times the exposure that matches the means")
+                  "Scale the initial exposure of a random start, as a factor of the one that matches means")
       ->capture_default_str();
-  command.add_option("--rate", o.design.rate, "Adam's rate, in fractions of the board's edge (0: chosen)");
-  command.add_option("--final-rate", o.design.final_rate, "Its value at the end (0: chosen)");
-  command.add_option("--perceptual", o.design.loss.perceptual, "Weight of the perceptual loss")->capture_default_str();
-  command.add_option("--l2", o.design.loss.l2, "Weight of the plain squared difference")->capture_default_str();
-  command.add_option("--gram", o.design.loss.gram, "Weight of the Gram term")->capture_default_str();
-  command
-      .add_option("--exposure-of", o.exposure,
-                  "What has a brightness of its own: each view (eyes adapt), or each light")
+  command.add_option("--rate", o.design.rate,
+                     "Set Adam's initial learning rate, fraction of the board's edges [default: auto]");
+  command.add_option("--final-rate", o.design.final_rate,
+                     "Set Adam's final learning rate, fraction of the board's edges [default: auto]");
+  command.add_option("--perceptual", o.design.loss.perceptual, "Set the weight of the perceptual loss")
+      ->capture_default_str();
+  command.add_option("--l2", o.design.loss.l2, "Set the weight of the squared-error loss")->capture_default_str();
+  command.add_option("--gram", o.design.loss.gram, "Set the weight of the Gram loss (local contrast)")
+      ->capture_default_str();
+  command.add_option("--exposure-of", o.exposure, "Give each view (eyes adapt) or each light an exposure of its own")
       ->check(CLI::IsMember({"light", "view"}))
       ->capture_default_str();
   command.add_option("--tolerance-mm", o.design.tolerance_mm,
-                     "How far eye and lamp may stand aside: designs for it, and reports how far they really may");
+                     "Design for off-axis viewpoints and lamps up to this distance, mm, and report the viewing zone");
   command
       .add_option("--carve-hours", o.carve_time,
-                  "The time there is to carve (hours, or 6h30min): scratches go during the design until they fit")
+                  "Prune scratches until carving takes at most this time: hours, or 6h30min")
       ->check(wrong_duration);
   command.add_flag("--carve-curve", o.design.carve_curve,
-                   "Report quality over carving time (always with --carve-hours)");
+                   "Report quality over carving time; always on with --carve-hours");
   command.add_flag("--report-tolerance", o.design.report_tolerance,
-                   "Report how far they may, without designing for it");
+                   "Report the viewing zone of eye and lamp without designing for it");
   command
       .add_option("--depth", o.depth_um,
-                  "How deep grooves are to be, um, instead of as the bench has them: scratches.csv says it, and a tool "
-                  "path tells the machine what makes it")
+                  "Set the depth of the new grooves, um, for the tool path too [default: the bench's]")
       ->check(CLI::PositiveNumber);
-  command.add_flag("--free-width", o.design.optimize_width, "Optimize the cutter's width too (one for all)");
-  command.add_flag("--free-depth", o.design.optimize_depth, "Optimize the depth too (one for all)");
-  command.add_flag("--free-alpha", o.design.optimize_alpha, "Optimize the roughness too (one for all)");
-  command.add_option("--min-length", o.design.min_length, "Shortest scratch, in fractions of the board's edge")
+  command.add_flag("--free-width", o.design.optimize_width, "Optimize the cutter's width, one value for all scratches");
+  command.add_flag("--free-depth", o.design.optimize_depth, "Optimize the depth, one value for all scratches");
+  command.add_flag("--free-alpha", o.design.optimize_alpha,
+                   "Optimize the roughness alpha, one value for all scratches");
+  command
+      .add_option("--min-length", o.design.min_length,
+                  "Set the shortest scratch, fraction of the board's longer edge, below 0.5")
       ->capture_default_str();
-  command.add_option("--max-length", o.design.max_length_mm, "Longest scratch, mm (0: any)")->capture_default_str();
+  command.add_option("--max-length", o.design.max_length_mm, "Set the longest scratch, mm; 0: no limit")
+      ->capture_default_str();
   command
       .add_option("--drop-error", o.design.drop_error,
-                  "Drop the least worthy scratches that lower the squared error by this share")
+                  "Prune the weakest scratches while the squared error rises by at most this share")
       ->capture_default_str();
-  command.add_option("--drop-light", o.design.drop_light, "Or those that carry this share of the light");
-  command.add_option("--drop-share,--drop-count", o.design.drop_share, "Or this share of the scratches");
+  command.add_option("--drop-light", o.design.drop_light,
+                     "Prune the weakest scratches that carry this share of the light, instead of --drop-error");
+  command.add_option("--drop-share,--drop-count", o.design.drop_share,
+                     "Prune this share of the scratches, 0 to 1 and not a count, instead of --drop-error");
   set_seldom_ones_apart(command, first);
 }
 
@@ -377,17 +389,17 @@ std::shared_ptr<void> add_design_options(CLI::App& command) {
 
 void add_design_command(CLI::App& burin) {
   auto o = std::make_shared<DesignArguments>();
-  CLI::App* c = burin.add_subcommand("design", "Turn pictures into scratches for a bench, nominal or measured");
-  c->add_option("DESIGN.json", o->spec, "What the board is to show")->required();
-  c->add_option("--out", o->out, "Folder for scratches.csv, previews and the report")->required();
-  c->add_option("--bench", o->bench, "Design for this bench instead of the one that DESIGN.json names");
-  c->add_option("--board", o->board, "Design for this board instead of the one that DESIGN.json names");
+  CLI::App* c =
+      burin.add_subcommand("design", "Optimize the scratches that show target pictures in a nominal or measured setup");
+  c->add_option("DESIGN.json", o->spec, "Read the targets, views and files of the design from this file")->required();
+  c->add_option("--out", o->out, "Write scratches.csv, previews and the report to this folder")->required();
+  c->add_option("--bench", o->bench, "Design for this setup (bench.json) [default: DESIGN.json's]");
+  c->add_option("--board", o->board, "Design for this board (board.json) [default: DESIGN.json's]");
   c->add_option("--machine", o->machine,
-                built_in_machines() +
-                    ", or a burin/machine file in JSON or TOML: its limits are obeyed (steps, lengths, "
-                    "distance, overlap), and its time counts for --carve-hours (grbl's without it)");
+                "Obey limits and time of this machine: " + built_in_machines() +
+                    ", or a burin/machine file (JSON or TOML) [default: grbl's time, no limits]");
   add_options(*c, *o);
-  c->add_flag("--live", o->live, "Refresh OUT/live.png while it runs");
+  c->add_flag("--live", o->live, "Refresh the preview OUT/live.png during the run");
   c->footer(example("burin design design.json --out round-01"));
   c->callback([o] { run(*o); });
 }

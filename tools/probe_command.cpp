@@ -78,25 +78,29 @@ void read_heights_of(const ProbeArguments& options) {
 
 void add_probe_command(CLI::App& burin) {
   CLI::App* probe = burin.add_subcommand(
-      "probe", "Measure the sheet on its machine (a height map), or the room's light (a mirror ball)");
+      "probe", "Measure the sheet's height map on the machine, or the room's light by a mirror ball");
   probe->require_subcommand(1);
   probe->footer(example("burin probe write board.json --machine grbl --out probe.gcode"));
   auto options = std::make_shared<ProbeArguments>();
   CLI::App* write = probe->add_subcommand(
-      "write", "Write G-code that touches the face on a grid over the carve area, clear of tags and keep-outs");
-  write->add_option("BOARD.json", options->board, "Carve area, tags, keep-outs; or the folder of a project")
+      "write", "Write G-code that probes a grid over the carve area, clear of tags and keep-outs");
+  write->add_option("BOARD.json", options->board, "Probe the carve area of this board (board.json) or project folder")
       ->required();
-  write->add_option("--machine", options->machine, built_in_machines() + ", or a burin/machine file in JSON or TOML")
+  write
+      ->add_option("--machine", options->machine,
+                   "Use this machine instead of the project's: " + built_in_machines() +
+                       ", or a burin/machine file (JSON or TOML)")
       ->capture_default_str();
-  write->add_option("--spacing", options->spacing_mm, "About how far the points lie apart, mm")->capture_default_str();
-  write->add_option("--out", options->out, "The G-code file")->required();
+  write->add_option("--spacing", options->spacing_mm, "Set the approximate spacing of the grid, mm")
+      ->capture_default_str();
+  write->add_option("--out", options->out, "Write the G-code to this file")->required();
   write->footer(example("burin probe write board.json --machine grbl --out probe.gcode"));
   write->callback([options, write] { write_probing(*options, *write); });
-  CLI::App* read =
-      probe->add_subcommand("read", "Turn what the controller logged meanwhile into a height map, heights.json");
-  read->add_option("LOG", options->log, "grbl's serial log, or the file that LinuxCNC's PROBEOPEN wrote")->required();
-  read->add_option("--probed", options->probed, "The probing file that the machine ran")->required();
-  read->add_option("--out", options->out, "The height map: heights.json")->required();
+  CLI::App* read = probe->add_subcommand("read", "Convert the controller's log of a probing file into a height map");
+  read->add_option("LOG", options->log, "Read grbl's serial log, or the file that LinuxCNC's PROBEOPEN wrote")
+      ->required();
+  read->add_option("--probed", options->probed, "Read the probing G-code that the machine ran")->required();
+  read->add_option("--out", options->out, "Write the height map to this file (heights.json)")->required();
   read->footer(example("burin probe read serial.log --probed probe.gcode --out heights.json"));
   read->callback([options] { read_heights_of(*options); });
   add_probe_light(*probe);

@@ -177,32 +177,34 @@ void probe_room(const ProbeLightArguments& options) {
 
 void add_probe_light(CLI::App& probe) {
   auto options = std::make_shared<ProbeLightArguments>();
-  CLI::App* light = probe.add_subcommand(
-      "light", "Turn photos of a mirror ball on the tagged board into the room's light, for \"surroundings\"");
+  CLI::App* light =
+      probe.add_subcommand("light", "Convert photos of a mirror ball on the tagged board into an environment map");
   light
       ->add_option("PHOTOS", options->photos,
-                   "Photos or folders of them (brackets from two or three places, with EXIF), or a session.json")
+                   "Read these photos, folders or session.json: brackets from two or three places, with EXIF")
       ->required();
-  light->add_option("--board", options->board, "The board in the photos, its tags' places: board.json")->required();
+  light->add_option("--board", options->board, "Read the tags' places from this board (board.json)")->required();
   light->add_option("--bench", options->bench,
-                    "A bench measured with this camera, at this zoom and focus: lens, tags, and the units of light");
+                    "Use lens, tags and units of light of this bench.json, measured at the same zoom and focus");
   light->add_option("--camera", options->camera,
-                    "The lens, as burin lens writes it; without it and --bench, three places and more tell the lens");
-  light->add_option("--ball-mm", options->ball_mm, "The ball's diameter, mm; left out: from its outline")
+                    "Use this lens (.cameramodel) [default: the bench's, else solved from three or more places]");
+  light->add_option("--ball-mm", options->ball_mm, "Set the ball's diameter, mm [default: estimated from its outline]")
       ->check(CLI::PositiveNumber);
   light
       ->add_option("--reflectance", options->reflectance,
-                   "What the ball reflects, one number or R G B; left out: as the tags' white paper says")
+                   "Set the ball's reflectance, one number or R G B [default: estimated from the tags' paper]")
       ->expected(1, 3)
       ->check(CLI::Range(0.01, 1.0));
   light
       ->add_option("--photographer-deg", options->photographer_deg,
-                   "Half of the cone about each camera that another place has to show")
+                   "Set the half-angle of the cone around each camera that other places fill in, degrees")
       ->check(CLI::Range(0.0, 90.0))
       ->capture_default_str();
-  light->add_option("--width", options->width, "Of the panorama, pixels; left out: as fine as the photos")
+  light->add_option("--width", options->width, "Set the panorama's width, pixels [default: the photos' resolution]")
       ->check(CLI::Range(64, 8192));
-  light->add_option("--out", options->out, "The panorama, room.exr; room-seen.png and room-look.png come beside it")
+  light
+      ->add_option("--out", options->out,
+                   "Write the panorama to this file (room.exr), with room-seen.png and room-look.png")
       ->required();
   light->footer(example("burin probe light ball-photos --board board.json --bench bench.json --out room.exr"));
   light->callback([options] {

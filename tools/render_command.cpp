@@ -144,38 +144,34 @@ void run(RenderArguments o, const CLI::App& command) {
 
 void add_render_command(CLI::App& burin) {
   auto o = std::make_shared<RenderArguments>();
-  CLI::App* c = burin.add_subcommand("render", "Show what a camera of a bench sees of a board's metal");
-  c->add_option("BOARD.json", o->board, "The board; or the folder of a project, or of one of its rounds")->required();
-  c->add_option("--bench", o->bench,
-                "The bench: lens, views, lamps, material; in a project, the one measured last, unless said");
-  c->add_option("--view", o->views, "Name of the view; of an animation's, in order (default there: all)");
-  c->add_option("--light", o->lights,
-                "Id of a lamp, sun or surroundings (default: the bench's first); several shine at once, "
-                "or are those that an animation's lamp moves through");
-  c->add_option("--scratches", o->scratches, "These scratches instead of the board's");
-  c->add_option("--exposure", o->exposure,
-                "Times the radiance (default: 1 for .exr and .tif, which stay linear; else the brightest half per cent "
-                "is white)");
-  c->add_flag("--as-carved", o->as_sent,
-              "The scratches are what the machine was told (a loop's sent.csv): shows where the bench's machine put "
-              "them. Without it they are where grooves are wanted, as a tool path compensates the machine");
-  c->add_option("--out", o->out, "Picture to write: .exr or .tif linear, .png or .jpg as sRGB");
+  CLI::App* c = burin.add_subcommand("render", "Render a board's metal as a camera of the setup sees it");
+  c->add_option("BOARD.json", o->board, "Render this board, or the board of this project or round folder")->required();
   c->add_option(
-      "--animate", o->animation,
-      "What one sees walking by, through the views' places and back: an animated .png, an .mp4 (by ffmpeg), or "
-      "a folder of numbered pictures");
-  c->add_option("--moving", o->moving,
-                "What moves in an animation: the eye from view to view, or the lamp from lamp to "
-                "lamp")
+      "--bench", o->bench,
+      "Use lens, views, lamps and material of this setup (bench.json) [default: the project's last measured]");
+  c->add_option("--view", o->views, "Render this view; repeat for an animation's path [default: all, animations only]");
+  c->add_option(
+      "--light", o->lights,
+      "Use this lamp, sun or environment map; repeat for several [default: the first; all for an animated lamp]");
+  c->add_option("--scratches", o->scratches, "Render these scratches (CSV) [default: the board's]");
+  c->add_option(
+      "--exposure", o->exposure,
+      "Multiply the radiance by this factor [default: 1 for .exr and .tif, else the brightest 0.5 % is white]");
+  c->add_flag("--as-carved", o->as_sent,
+              "Treat the scratches as commanded positions (sent.csv) and apply the machine's calibration");
+  c->add_option("--out", o->out, "Write this picture: .exr or .tif (linear), .png or .jpg (sRGB)");
+  c->add_option("--animate", o->animation,
+                "Write a walk-by animation: .png, .mp4 (by ffmpeg), or a folder of numbered pictures");
+  c->add_option("--moving", o->moving, "Move the eye from view to view or the lamp from lamp to lamp in an animation")
       ->check(CLI::IsMember({"eye", "lamp"}))
       ->capture_default_str();
   c->add_option("--frames", o->animate.frames,
-                "Frames from the first place to the last (0: eight a place, 240 at most)")
+                "Set an animation's frames from first to last place; 0: 8 per place, at most 240 [default: 0]")
       ->check(CLI::Range(0, 5000));
-  c->add_option("--seconds", o->animate.seconds, "How long that takes")
+  c->add_option("--seconds", o->animate.seconds, "Set an animation's duration from first to last place, s")
       ->check(CLI::Range(0.1, 600.0))
       ->capture_default_str();
-  c->add_option("--pixels", o->animate.pixels, "Of an animation, along either side")
+  c->add_option("--pixels", o->animate.pixels, "Set an animation's maximum side length, pixels")
       ->check(CLI::Range(16, 4096))
       ->capture_default_str();
   c->footer(example("burin render board.json --bench bench.json --view v00 --out v00.exr"));

@@ -236,29 +236,27 @@ void replay(const ToolpathArguments& options) {
 void add_options(CLI::App& command, ToolpathArguments& options) {
   command
       .add_option("--chunks", options.part,
-                  "Split G-code into files of about this long, such as 30min (a bare number: seconds)")
+                  "Split G-code into files of about this carving time: 30min, or a number of seconds")
       ->check(wrong_duration);
   command
-      .add_option("--decimals", options.decimals, "Of coordinates, instead of the profile's: fewer make shorter lines")
+      .add_option("--decimals", options.decimals,
+                  "Write coordinates with this number of decimals [default: the machine's]")
       ->check(CLI::Range(2, 6));
   command
       .add_option("--max-lines", options.max_lines,
-                  "Split G-code into files of at most this many lines, instead of the profile's number (0: one file)")
+                  "Split G-code into files of at most this number of lines; 0: one file [default: the machine's]")
       ->check(CLI::Range(0, 100000000));
-  command.add_flag(
-      "--mend", options.mend,
-      "Move to the machine's steps and lengths, and leave out, what breaks its limits, instead of refusing");
+  command.add_flag("--mend", options.mend,
+                   "Repair scratches that break the machine's limits by moving or dropping them");
   CLI::Option* order =
       command
           .add_option("--order", options.order,
-                      "keep the file's order, or the shortest (short); unsaid: keep it where the bench says that it "
-                      "shows, by wear or where grooves cross")
+                      "Keep the file's order or minimize travel (short) [default: keep if the order shows, else short]")
           ->check(CLI::IsMember({"keep", "short"}));
-  command.add_flag("--keep-order", options.keep_order, "The same as --order keep")->excludes(order);
-  command.add_flag("--frame", options.frame, "Also write a file that moves round the scratches in the air");
-  command.add_flag(
-      "--follow-bow", options.follow_bow,
-      "Z follows the bench's measured bow: only where the very sheet that was photographed lies as it did");
+  command.add_flag("--keep-order", options.keep_order, "Keep the file's order, as --order keep does")->excludes(order);
+  command.add_flag("--frame", options.frame, "Also write a file that moves around the scratches in the air");
+  command.add_flag("--follow-bow", options.follow_bow,
+                   "Follow the measured warp in Z; the sheet must lie as it did in the photos");
 }
 
 }  // namespace
@@ -271,33 +269,35 @@ std::shared_ptr<void> add_toolpath_options(CLI::App& command) {
 
 void add_toolpath_command(CLI::App& burin) {
   auto options = std::make_shared<ToolpathArguments>();
-  CLI::App* command = burin.add_subcommand("toolpath", "Turn scratches into files that a machine carves");
-  command->add_option("SCRATCHES.csv", options->scratches, "The scratches to carve")->required();
-  command->add_option(
-      "--board", options->board,
-      "board.json: size, carve area, depth; like the bench, the machine, heights and --follow-bow taken "
-      "from the project in which SCRATCHES.csv lies, unless said");
-  command->add_option("--bench", options->bench, "A measured bench.json: its machine.affine is compensated");
-  command->add_option("--machine", options->machine, built_in_machines() + ", or a burin/machine file in JSON or TOML")
+  CLI::App* command = burin.add_subcommand("toolpath", "Write verified machine files for carving scratches");
+  command->add_option("SCRATCHES.csv", options->scratches, "Carve these scratches")->required();
+  command->add_option("--board", options->board,
+                      "Use size, carve area and depth of this board (board.json) [default: the project's]");
+  command->add_option("--bench", options->bench,
+                      "Compensate the machine.affine of this measured bench.json [default: the project's]");
+  command
+      ->add_option("--machine", options->machine,
+                   "Use this machine instead of the project's: " + built_in_machines() +
+                       ", or a burin/machine file (JSON or TOML)")
       ->capture_default_str();
   command->add_option("--heights", options->heights,
-                      "heights.json of the sheet as it lies on the machine (burin probe): Z follows it");
+                      "Follow this height map from burin probe in Z (heights.json) [default: the round's]");
   CLI::Option* out = command->add_option(
       "--out", options->out,
-      "Where to write: .gcode, .nc, .ngc, .cnc, .tap, .csv, or .svg and .dxf, whose layers are depths");
+      "Write this file: .gcode, .nc, .ngc, .cnc, .tap, .csv, or .svg or .dxf with a layer per depth");
   add_options(*command, *options);
   command->add_option("--sent", options->sent,
-                      "Also write the scratches as the machine is told them, in carving order: the board's sent.csv");
-  command->add_option("--draw", options->drawing, "Also draw what is carved: .svg or .dxf");
-  CLI::Option* resume = command->add_option(
-      "--resume", options->resume, "Write what this interrupted G-code file left, in its order (with --at-line)");
+                      "Also write the commanded positions in carving order, as the board's sent.csv");
+  command->add_option("--draw", options->drawing, "Also write a drawing of the carved scratches: .svg or .dxf");
+  CLI::Option* resume = command->add_option("--resume", options->resume,
+                                            "Write the uncarved rest of this interrupted G-code file, in its order");
   resume->needs(command
                     ->add_option("--at-line", options->at_line,
-                                 "The line at which the machine stopped: what it carved before is done")
+                                 "Resume --resume's file at this line, at which the machine stopped")
                     ->check(CLI::PositiveNumber)
                     ->needs(resume));
   CLI::Option* check = command->add_option(
-      "--replay", options->replay, "Write nothing: replay this G-code (all its parts) and check it against them");
+      "--replay", options->replay, "Verify this G-code (all its parts) against SCRATCHES.csv without writing anything");
   out->excludes(check);
   resume->excludes(check);
   command->footer(example(

@@ -87,15 +87,18 @@ void run(ViewArguments o) {
 
 void add_view_command(CLI::App& burin) {
   auto o = std::make_shared<ViewArguments>();
-  CLI::App* c = burin.add_subcommand("view", "Write a page with the board in it: move eye and lamp and see it glint");
-  c->add_option("PROJECT_DIR", o->folder,
-                "The project: its newest design, before and after it was measured; left out: the working directory's");
-  c->add_option("--out", o->out, "Page to write (default: PROJECT_DIR/view.html)");
-  c->add_option("--board", o->files.board, "Without a project: the board");
-  c->add_option("--bench", o->files.bench, "Without a project: the bench, its views and lamps");
-  c->add_option("--scratches", o->files.scratches, "These scratches instead of the board's");
-  c->add_option("--design", o->files.design, "What the views are to show (default: all views, without targets)");
-  c->add_flag("--as-carved", o->files.as_sent, "The scratches are what the machine was told (a loop's sent.csv)");
+  CLI::App* c = burin.add_subcommand("view", "Write an interactive page of the board, with eye and lamp that move");
+  c->add_option(
+      "PROJECT_DIR", o->folder,
+      "Show this project's newest design before and after measurement [default: the working directory's project]");
+  c->add_option("--out", o->out, "Write this page [default: view.html in PROJECT_DIR]");
+  c->add_option("--board", o->files.board, "Show this board (board.json), without a project");
+  c->add_option("--bench", o->files.bench, "Use views and lamps of this setup (bench.json), without a project");
+  c->add_option("--scratches", o->files.scratches, "Show these scratches (CSV) [default: the board's]");
+  c->add_option("--design", o->files.design,
+                "Show the targets of this design.json [default: all views, without targets]");
+  c->add_flag("--as-carved", o->files.as_sent,
+              "Treat the scratches as commanded positions (sent.csv) and apply the machine's calibration");
   c->footer(example("burin view samples/small-bench --out view.html"));
   c->callback([o] { run(*o); });
 }
