@@ -25,32 +25,29 @@ void add_calibrate_command(CLI::App& burin) {
   };
   auto options = std::make_shared<Options>();
   CLI::App* command =
-      burin.add_subcommand("calibrate", "Find lens, camera poses, bow, tags and lamp from a session's photos");
-  command
-      ->add_option("SESSION.json", options->session,
-                   "The session, as burin capture writes it; or its folder, such as a loop's round")
+      burin.add_subcommand("calibrate", "Calibrate lens, camera poses, warp, tags and lamp from a session's photos");
+  command->add_option("SESSION.json", options->session, "Read this session.json of burin capture, or its folder")
       ->required();
-  command->add_option("--out", options->out, "The folder for bench.json, camera.cameramodel and residuals.vnl")
+  command->add_option("--out", options->out, "Write bench.json, camera.cameramodel and residuals.vnl to this folder")
       ->required();
   auto* camera = command->add_option("--camera", options->camera,
-                                     "A lens that is known (.cameramodel, splined ones too): it is not solved for");
-  command->add_flag("--camera-as-seed", options->seed_only, "Start from the lens of --camera, but solve for it too")
+                                     "Keep this lens fixed (.cameramodel, also splined) [default: solve for the lens]");
+  command->add_flag("--camera-as-seed", options->seed_only, "Solve for the lens too, starting from --camera")
       ->needs(camera);
   command
       ->add_option("--lens-model", options->lens_model,
-                   "LENSMODEL_OPENCV4, 5 or 8; without it, the smallest that the photos support")
+                   "Use LENSMODEL_OPENCV4, 5 or 8 [default: the smallest that the photos support]")
       ->excludes(camera);
   command
-      ->add_option(
-          "--response", options->response,
-          "The camera's curve: from session.json or brackets that show one (auto), from brackets or not at all "
-          "(brackets), the plain encoding (none)")
+      ->add_option("--response", options->response,
+                   "Take the camera response from session.json or brackets (auto), from brackets only, or from the "
+                   "encoding (none) [default: auto]")
       ->check(CLI::IsMember({"auto", "brackets", "none"}));
   const auto* hold_out =
       command
-          ->add_option("--hold-out", options->hold_out,
-                       "Solve again without some photos and predict them: names of views (v03,v07), a share (0.25), a "
-                       "number of folds (5), all (one at a time), or no value (four folds)")
+          ->add_option(
+              "--hold-out", options->hold_out,
+              "Cross-validate the corners: views (v03,v07), a share (0.25), folds (5), all, or no value for four folds")
           ->expected(0, 1);
   command->footer(example("burin calibrate session/session.json --out bench --hold-out"));
   command->callback([options, hold_out] {

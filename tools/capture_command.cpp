@@ -119,9 +119,7 @@ void take_round(const CLI::App& command, CaptureArguments& o) {
 }  // namespace
 
 void add_f_number_option(CLI::App& command, double& f_number) {
-  command
-      .add_option("--f-number", f_number,
-                  "The aperture of photos whose EXIF has none or 0 (a lens without contacts): 8 for f/8")
+  command.add_option("--f-number", f_number, "Set the aperture of photos whose EXIF has none or 0: 8 for f/8")
       ->check(CLI::Range(0.5, 128.0));
 }
 
@@ -133,28 +131,25 @@ std::shared_ptr<void> add_capture_options(CLI::App& command) {
 
 void add_capture_command(CLI::App& burin) {
   auto options = std::make_shared<CaptureArguments>();
-  CLI::App* command = burin.add_subcommand("capture", "Turn a folder of photos into a session, and judge the photos");
-  command->add_option("PHOTOS_DIR", options->photos,
-                      "The folder of photos: JPEG, HEIC, PNG, TIFF, EXR or camera raw, with EXIF; with --tether, where "
-                      "they go (photos in --out unless given)");
+  CLI::App* command = burin.add_subcommand("capture", "Build a session from a folder of photos, and check the photos");
   command->add_option(
-      "--board", options->board,
-      "The board in the photos: board.json; like the bench, taken from the project whose round they lie "
-      "in, unless said");
-  command->add_option("--out", options->out, "The folder for session.json")->required();
-  command->add_option("--bench", options->bench,
-                      "The bench that the board was designed for: its lamp's name is taken; of several lamps, photos "
-                      "lie in folders of their names: PHOTOS_DIR/red, PHOTOS_DIR/green");
-  command->add_option("--light", options->light, "The lamp of the photos that lie in no lamp's folder");
-  command->add_flag("--new-lamp", options->new_lamp, "The lamp of --light is not in the bench yet");
+      "PHOTOS_DIR", options->photos,
+      "Read photos with EXIF from here: JPEG, HEIC, PNG, TIFF, EXR or raw [default with --tether: OUT/photos]");
+  command->add_option("--board", options->board, "Use the board in the photos (board.json) [default: the project's]");
+  command->add_option("--out", options->out, "Write session.json to this folder")->required();
+  command->add_option(
+      "--bench", options->bench,
+      "Take lamp names from this bench.json; photos of several lamps are in PHOTOS_DIR/LAMP [default: the project's]");
+  command->add_option("--light", options->light, "Assign this lamp to photos outside the lamps' folders");
+  command->add_flag("--new-lamp", options->new_lamp, "Allow --light to name a lamp that the bench does not have yet");
   add_f_number_option(*command, options->f_number);
-  CLI::Option* tether = command->add_flag("--tether", options->tether,
-                                          "Take the photos now, by a camera on a USB cable (libgphoto2), at M: a "
-                                          "bracket from each place, each photo judged "
-                                          "as it comes");
+  CLI::Option* tether =
+      command->add_flag("--tether", options->tether,
+                        "Take a bracket per place with a USB camera (libgphoto2) at M, and check each photo");
   add_tether_options(*command, tether, options->stops, options->port);
-  command->add_option("--plan", options->plan, "The plan.json of `burin plan`: which places these are")->needs(tether);
-  command->add_flag("--once", options->once, "One bracket from where the camera stands, without asking")->needs(tether);
+  command->add_option("--plan", options->plan, "Take the places of this plan.json of burin plan")->needs(tether);
+  command->add_flag("--once", options->once, "Take one bracket at the camera's present place, without questions")
+      ->needs(tether);
   command->footer(
       example("burin capture photos --board board.json --bench bench.json --out session\n"
               "  burin capture --tether --board board.json --bench bench.json --plan plan/plan.json --out session"));

@@ -164,24 +164,24 @@ void add_lens_command(CLI::App& burin) {
   auto options = std::make_shared<LensArguments>();
   CLI::App* command = burin.add_subcommand("lens", "Calibrate a lens from photos of a chessboard");
   command
-      ->add_option("INPUT", options->input,
-                   "A folder of photos of a chessboard, or a corners.vnl as mrcal's tools read it")
+      ->add_option("INPUT", options->input, "Read this folder of chessboard photos, or a corners.vnl of mrcal's tools")
       ->required();
-  command->add_option("--chessboard", options->chessboard, "Inner corners along and across, COLUMNSxROWS")->required();
-  command->add_option("--square-mm", options->square_mm, "The side of a square, mm")
+  command->add_option("--chessboard", options->chessboard, "Set the number of inner corners, COLUMNSxROWS")->required();
+  command->add_option("--square-mm", options->square_mm, "Set the side length of a square, mm")
       ->required()
       ->check(CLI::PositiveNumber);
-  command->add_option("--out", options->out, "The .cameramodel to write; a picture of the coverage goes beside it")
+  command->add_option("--out", options->out, "Write this .cameramodel, with a picture of the coverage next to it")
       ->required();
   command->add_option("--lens-model", options->model,
-                      "LENSMODEL_OPENCV4, 5 or 8; without it, the smallest that the photos support");
-  command->add_option("--image-size", options->image_size, "WIDTHxHEIGHT of the photos behind a corners.vnl");
+                      "Use LENSMODEL_OPENCV4, 5 or 8 [default: the smallest that the photos support]");
+  command->add_option("--image-size", options->image_size,
+                      "Set the size of a corners.vnl's photos, pixels, WIDTHxHEIGHT");
   command
       ->add_option("--corner-window", options->window_px,
-                   "Half the window in which corners are refined, pixels; 0: as large as the squares allow")
+                   "Refine corners in a window of this half-width, pixels; 0: as large as the squares allow")
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
-  command->add_flag("--bow", options->bow, "Solve for a bow of the chessboard (three quadratic terms)");
+  command->add_flag("--bow", options->bow, "Solve for the chessboard's warp (three quadratic terms)");
   command->footer(example("burin lens chessboard-photos --chessboard 9x6 --square-mm 25 --out camera.cameramodel"));
   command->callback([options] { run(*options); });
 }

@@ -244,44 +244,42 @@ void run(const PlanArguments& arguments) {
 void add_plan_command(CLI::App& burin) {
   auto options = std::make_shared<PlanArguments>();
   CLI::App* command = burin.add_subcommand(
-      "plan", "Say which photos to take of a board: where to put camera and lamp, and what they would tell");
+      "plan", "Plan the photos of a board: camera and lamp positions, with their expected accuracy");
+  command->add_option("BOARD.json", options->board,
+                      "Plan for this board (board.json) or project folder [default: the working directory's project]");
   command->add_option(
-      "BOARD.json", options->board,
-      "The board that is to be photographed; or a project's folder: its board, its bench as measured last, "
-      "and the views of its design. Left out: the project of the working directory");
-  command->add_option("--bench", options->bench,
-                      "The bench as it is believed or was measured: lens and lamps; without it, a 50 mm lens on full "
-                      "frame and a lamp beyond the upper edge");
+      "--bench", options->bench,
+      "Use lens and lamps of this setup (bench.json) [default: the project's, else 50 mm lens, lamp above]");
   command->add_option("--design", options->design,
-                      "The design.json of the board: its views are photographed first, and the focus is theirs");
+                      "Plan the views of this design.json first, and focus on them [default: the project's]");
   command
       ->add_option("--focus-mm", options->focus_mm,
-                   "Where the lens is focused, instead of at the views of the design or the bench")
+                   "Focus the lens at this distance, mm [default: the views of the design or bench]")
       ->check(CLI::PositiveNumber);
   command->add_option(
       "--focus-range", options->focus_range,
-      "What is sharp then, like 900-1500mm or 0.9-1.5m: no other shot lies outside; without it, what is "
-      "sharp with this lens at f/8");
+      "Limit shots to this range of sharp distances: 900-1500mm or 0.9-1.5m [default: this lens at f/8]");
   command->add_option("--scratches", options->scratches,
-                      "The scratches on it, if not those that the board names; without any, test strokes");
+                      "Plan with these scratches (CSV) [default: the board's, else test strokes]");
   auto* camera = command->add_option("--camera", options->camera,
-                                     "The lens (.cameramodel), instead of the bench's; it counts as known");
-  command->add_flag("--camera-as-seed", options->camera_as_seed, "Plan as if the lens of --camera were solved for too")
+                                     "Use this lens (.cameramodel) and keep it fixed [default: the bench's]");
+  command
+      ->add_flag("--camera-as-seed", options->camera_as_seed,
+                 "Plan for a calibration that also solves for the lens of --camera")
       ->needs(camera);
   command
       ->add_option("--lamp", options->lamps,
-                   "Where a lamp stands, X Y Z in mm, instead of the bench's; once for each lamp")
+                   "Place a lamp at X Y Z, mm; repeat for several lamps [default: the bench's]")
       ->type_size(3);
   command
       ->add_option("--lamp-places", options->plan.lamp_places,
-                   "At how many places lamps may stand in all; places beyond the given lamps are proposed")
+                   "Use this total number of lamp positions; the plan proposes those not given")
       ->capture_default_str()
       ->check(CLI::Range(1, 12));
-  command->add_option("--shots", options->plan.shots, "How many to plan")
+  command->add_option("--shots", options->plan.shots, "Plan this number of shots")
       ->capture_default_str()
       ->check(CLI::Range(1, 12));
-  command->add_option("--out", options->out,
-                      "The folder for plan.json and plan.svg; without it, the plan is printed only");
+  command->add_option("--out", options->out, "Write plan.json and plan.svg to this folder [default: print only]");
   command->footer(example("burin plan board.json --bench bench.json --design design.json --shots 8 --out plan"));
   command->callback([options] { run(*options); });
 }

@@ -107,19 +107,19 @@ void run(PrintArguments options) {
 
 void add_print_command(CLI::App& burin) {
   auto options = std::make_shared<PrintArguments>();
-  CLI::App* command = burin.add_subcommand(
-      "print", "Make a PDF of a board's tags at true scale, of where they go, and of a chessboard");
+  CLI::App* command =
+      burin.add_subcommand("print", "Write a PDF of the board's tags at true scale, their placement, and a chessboard");
   command->add_option("PROJECT", options->project,
-                      "The project's folder, or a board.json; left out: the working directory's project");
-  command->add_option("--out", options->out, "The PDF to write; without it, tags.pdf beside board.json");
+                      "Print the tags of this project folder or board.json [default: the working directory's project]");
+  command->add_option("--out", options->out, "Write this PDF [default: tags.pdf next to board.json]");
   command->add_option("--paper", options->paper,
-                      "a4, letter, a3 or tabloid; without it, what the locale uses (LC_PAPER)");
+                      "Print on this paper: a4, letter, a3 or tabloid [default: the locale's (LC_PAPER)]");
   command->add_option("--ruler-measured", options->across_mm,
-                      "How long the printed 100 mm ruler came out on your printer, mm: everything is put right by it");
+                      "Correct the scale by the measured length of the printed 100 mm ruler, mm [default: 100]");
   command->add_option("--upright-ruler-measured", options->upright_mm,
-                      "The same of the ruler along the page's left, where it came out otherwise");
-  command->add_flag("--no-template", options->no_template, "Without the pages that say where the tags go");
-  command->add_flag("--no-chessboard", options->no_chessboard, "Without the chessboard");
+                      "Correct the vertical scale by the upright ruler's length, mm [default: --ruler-measured's]");
+  command->add_flag("--no-template", options->no_template, "Omit the pages that show the tags' placement");
+  command->add_flag("--no-chessboard", options->no_chessboard, "Omit the chessboard");
   command->footer(example("burin print my-board --out tags.pdf --paper a4"));
   command->callback([options] { run(*options); });
 }

@@ -168,35 +168,28 @@ void add_refine_command(CLI::App& burin) {
   };
   auto options = std::make_shared<Options>();
   CLI::App* command = burin.add_subcommand(
-      "refine", "Find roughness, depth, lamp and the machine's errors from the photos; completes bench.json");
-  command
-      ->add_option("SESSION.json", options->session,
-                   "The session that was calibrated; or its folder, such as a loop's round")
-      ->required();
+      "refine", "Estimate roughness, depth, lamp and machine errors from photos, and complete bench.json");
+  command->add_option("SESSION.json", options->session, "Read this calibrated session.json, or its folder")->required();
   command->add_option(
       "--bench", options->bench,
-      "The bench.json that burin calibrate wrote; it is completed. Left out: the one of the loop's round "
-      "that SESSION.json belongs to, with --out");
+      "Complete this bench.json of burin calibrate, in place without --out [default with --out: the round's]");
   command->add_option("--out", options->out,
-                      "The folder for the completed bench.json and its lens; --bench then stays as it is");
+                      "Write the completed bench.json and its lens to this folder, and leave --bench unchanged");
   command
-      ->add_option(
-          "--crossings", options->crossings,
-          "What is seen where scratches cross: the light of both (add), the one carved last, the deepest, or whichever "
-          "fits the photos (auto)")
+      ->add_option("--crossings", options->crossings,
+                   "Set the crossing rule: sum of light (add), last carved (last), deepest, or the best fit (auto) "
+                   "[default: auto]")
       ->check(CLI::IsMember({"auto", "add", "last", "deepest"}));
-  command->add_flag("--keep-lamp", options->keep_lamp, "Believe the lamp positions of bench.json");
-  const auto* hold_out =
-      command
-          ->add_option("--hold-out", options->hold_out,
-                       "Fit again without some photos and predict their pixels: names of views (v03,v07), a share, a "
-                       "number of folds (each takes as long again), or no value (a quarter of the views)")
-          ->expected(0, 1);
+  command->add_flag("--keep-lamp", options->keep_lamp, "Keep lamp positions fixed at the values in bench.json");
+  const auto* hold_out = command
+                             ->add_option("--hold-out", options->hold_out,
+                                          "Cross-validate the pixels: views (v03,v07), a share, folds (one fit each), "
+                                          "or no value for a quarter of the views")
+                             ->expected(0, 1);
   command
-      ->add_option(
-          "--pixel-mm", options->pixel_mm,
-          "Bin photos until a pixel is this large on the board, mm; 0 takes them as they are (slow). Left out: "
-          "0.8, or 0.25 if grooves cut one another")
+      ->add_option("--pixel-mm", options->pixel_mm,
+                   "Bin photos until a pixel is this large on the board, mm; 0: no binning [default: 0.8, or 0.25 if "
+                   "grooves cut each other]")
       ->check(CLI::Range(0.0, 100.0));
   command->footer(example("burin refine session/session.json --bench bench/bench.json"));
   command->callback([options, hold_out, command] {

@@ -18,17 +18,17 @@ void add_report_command(CLI::App& burin) {
     std::filesystem::path folder, session, before, under, board;
   };
   auto options = std::make_shared<Options>();
-  CLI::App* command =
-      burin.add_subcommand("report", "Show a measured session, a design or a loop project as one HTML page");
+  CLI::App* command = burin.add_subcommand("report", "Write an HTML page of a measured session, a design or a project");
   command->add_option(
       "DIR", options->folder,
-      "A folder with bench.json, a design, or a loop project; left out: the working directory's project");
+      "Show this folder of a bench.json, a design or a project [default: the working directory's project]");
   command->add_option("--session", options->session,
-                      "The session that DIR/bench.json was measured from, if not DIR/session.json");
-  CLI::Option* before = command->add_option(
-      "--before", options->before, "DIR holds a design: show it beside this earlier one, both looked at under --under");
-  CLI::Option* under = command->add_option("--under", options->under, "The bench as it is, to look at both designs");
-  CLI::Option* board = command->add_option("--board", options->board, "The board of both designs");
+                      "Use the session that gave DIR/bench.json [default: DIR/session.json]");
+  CLI::Option* before =
+      command->add_option("--before", options->before, "Compare the design in DIR with this earlier design's folder");
+  CLI::Option* under =
+      command->add_option("--under", options->under, "Evaluate both designs in this measured setup (bench.json)");
+  CLI::Option* board = command->add_option("--board", options->board, "Use this board for both designs (board.json)");
   before->needs(under)->needs(board);
   under->needs(before);
   board->needs(before);

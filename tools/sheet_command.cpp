@@ -87,28 +87,30 @@ void run(SheetArguments options) {
 
 void add_sheet_command(CLI::App& burin) {
   auto options = std::make_shared<SheetArguments>();
-  CLI::App* command = burin.add_subcommand(
-      "sheet", "Draw where lamps hang and eyes stand, with the photos to take: a page for the wall and for the phone");
-  command->add_option("PROJECT", options->project, "The project's folder; left out: the working directory's");
+  CLI::App* command =
+      burin.add_subcommand("sheet", "Draw lamp and eye positions and the photos to take, for wall and phone");
+  command->add_option("PROJECT", options->project,
+                      "Draw the setup of this project [default: the working directory's project]");
   command
       ->add_option("--out", options->out,
-                   "What to write, a .pdf or an .html (give it twice for both); without it, sheet.pdf and sheet.html "
-                   "in the project")
+                   "Write this .pdf or .html; give it twice for both [default: sheet.pdf and sheet.html in PROJECT]")
       ->take_all()
       ->expected(1);
   command
       ->add_option("--hang-height", options->hang_height_mm,
-                   "Of the board's middle above the floor, mm; left out: so that the eyes' heights are a standing "
-                   "adult's")
+                   "Set the height of the board's center above the floor, mm [default: for a standing adult's eyes]")
       ->check(CLI::Range(1.0, 10'000.0));
-  command->add_option("--shots", options->shots, "How many photos to plan beside the designed views")
+  command->add_option("--shots", options->shots, "Plan this number of photos in addition to the designed views")
       ->capture_default_str()
       ->check(CLI::Range(1, 12));
-  command->add_option("--focus-mm", options->focus_mm, "Where the lens is focused, instead of at the designed views")
+  command
+      ->add_option("--focus-mm", options->focus_mm, "Focus the lens at this distance, mm [default: the designed views]")
       ->check(CLI::PositiveNumber);
-  command->add_option("--focus-range", options->focus_range, "What is sharp then, like 900-1500mm (burin plan)");
+  command->add_option(
+      "--focus-range", options->focus_range,
+      "Limit shots to this range of sharp distances: 900-1500mm or 0.9-1.5m [default: this lens at f/8]");
   command->add_option("--paper", options->paper,
-                      "a4, letter, a3 or tabloid; without it, what the locale uses (LC_PAPER)");
+                      "Print on this paper: a4, letter, a3 or tabloid [default: the locale's (LC_PAPER)]");
   command->footer(example("burin sheet my-board --hang-height 1800"));
   command->callback([options] { run(*options); });
 }

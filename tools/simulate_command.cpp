@@ -17,13 +17,15 @@ void add_simulate_command(CLI::App& burin) {
     int samples = 0;
   };
   auto options = std::make_shared<Options>();
-  CLI::App* command =
-      burin.add_subcommand("simulate", "Photograph a bench whose truth is known, as a camera would have");
-  command->add_option("TRUTH.json", options->truth, "The bench as it really is")->required();
-  command->add_option("--out", options->out, "The folder for photos, board.json, session.json")->required();
-  command->add_option("--scratches", options->simulate.scratches, "Carve this design (CSV) instead of the truth's own");
-  command->add_option("--views", options->simulate.views, "Photograph from these places only");
-  command->add_option("--samples", options->samples, "Points a pixel where scratches are, instead of the truth's")
+  CLI::App* command = burin.add_subcommand("simulate", "Render synthetic photos of a setup with known ground truth");
+  command->add_option("TRUTH.json", options->truth, "Read the ground truth of the setup from this file")->required();
+  command->add_option("--out", options->out, "Write photos, board.json and session.json to this folder")->required();
+  command->add_option("--scratches", options->simulate.scratches,
+                      "Carve these scratches (CSV) [default: the ground truth's]");
+  command->add_option("--views", options->simulate.views, "Render these views only [default: all]");
+  command
+      ->add_option("--samples", options->samples,
+                   "Use this number of samples per pixel on scratches [default: the ground truth's]")
       ->check(CLI::Range(1, 1000000));
   command->footer(example("burin simulate truth.json --out bench --views d0 d1"));
   command->callback([options] {

@@ -376,23 +376,20 @@ class Watch {
 void add_watch_command(CLI::App& burin) {
   auto o = std::make_shared<WatchArguments>();
   CLI::App* command = burin.add_subcommand(
-      "watch", "Judge photos as they arrive in a folder: tags, exposure, blur, which shot it is, what to take now");
+      "watch", "Check photos as they arrive in a folder: tags, exposure, blur, shot, and the next photo");
   command->add_option("PROJECT_DIR", o->project,
-                      "The project whose board is photographed; left out: the working directory's");
+                      "Check photos of this project's board [default: the working directory's project]");
   command->add_option("--photos", o->photos,
-                      "The folder that photos arrive in (a tethered camera's, a phone's sync), instead of the round's "
-                      "own");
-  command->add_option("--plan", o->plan, "The plan.json of `burin plan`, if it is not in the project");
+                      "Watch this folder of a tethered camera or a phone's sync [default: the round's own]");
+  command->add_option("--plan", o->plan, "Use this plan.json of burin plan [default: the project's]");
   CLI::Option* tether = command->add_flag(
-      "--tether", o->tether, "Take the photos by a camera on a USB cable (libgphoto2): as burin capture --tether");
+      "--tether", o->tether, "Take the photos with a USB camera (libgphoto2), as burin capture --tether does");
   add_tether_options(*command, tether, o->stops, o->port);
   command->add_option("--light", o->light,
-                      "The lamp that is on, where there are several: of photos that lie in no lamp's folder, and of "
-                      "those that --tether takes");
-  command->add_flag("--copy", o->copy, "Copy photos that are of use from --photos into the round's folder")
-      ->excludes(tether);
-  command->add_flag("--once", o->once, "Judge the photos that are there, and end");
-  command->add_flag("--json", o->json, "One JSON object a line instead of words")->excludes(tether);
+                      "Assign this lamp to --tether's photos and to photos outside the lamps' folders");
+  command->add_flag("--copy", o->copy, "Copy usable photos from --photos into the round's folder")->excludes(tether);
+  command->add_flag("--once", o->once, "Check the present photos, then exit");
+  command->add_flag("--json", o->json, "Print one JSON object per line instead of text")->excludes(tether);
   command->footer(
       example("burin watch my-board\n"
               "  burin watch my-board --photos ~/Phone/Camera --copy\n"

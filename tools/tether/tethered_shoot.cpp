@@ -247,12 +247,13 @@ std::string take_bracket(TetheredCamera& camera, const std::vector<double>& stop
 void add_tether_options(CLI::App& command, CLI::Option* tether, std::vector<double>& stops, std::string& port) {
   command
       .add_option("--brackets", stops,
-                  "The exposures of each bracket, in stops from the tags' paper at 60 % of white: 0,-3,-6; without it, "
-                  "three stops darker each until no glint is clipped")
+                  "Set a bracket's exposures, stops from tag paper at 60 % of white: 0,-3,-6 [default: 3 darker each "
+                  "until no glint clips]")
       ->delimiter(',')
       ->check(CLI::Range(-15.0, 5.0))
       ->needs(tether);
-  command.add_option("--port", port, "The camera's port, where there are several: usb:001,005")->needs(tether);
+  command.add_option("--port", port, "Use the camera at this port: usb:001,005 [default: the only camera]")
+      ->needs(tether);
 }
 
 void shoot_tethered(const TetheredShoot& how, Shoot& shoot, const PhotoTold& told) {
