@@ -436,6 +436,7 @@ void RefineRun::compare_grooves() {
 // Runs when the fit predicts each groove's place to a part of a pixel. Before, a board of the same pictures looks like
 // this one.
 void RefineRun::compare_finest_grooves() {
+  if (data.model.crossings != Crossings::add && data.model.cut.lanes == 0) return;  // only a sample is rendered
   tell("comparing single grooves", 0);
   const SingleGrooves seen = compare_single_grooves(data, views, out.bench, state);
   const std::string share = significant(seen.share, 2) + " +- " + significant(seen.sigma, 1);
