@@ -143,7 +143,7 @@ Eigen::Vector3d inverse(const std::array<double, 12>& k, const Eigen::Vector2d& 
   const Eigen::Matrix2d slope = distorted(k, p).by_point;
   if (!(slope.determinant() > 0 && slope.trace() > 0))
     return Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
-  return p.homogeneous();
+  return {p.x(), p.y(), 1};
 }
 
 }  // namespace
