@@ -158,6 +158,8 @@ file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/room_headers.cpp
 add_library(burin_room_headers STATIC ${PROJECT_BINARY_DIR}/room_headers.cpp)
 target_link_libraries(burin_room_headers PRIVATE Eigen3::Eigen)
 target_compile_features(burin_room_headers PUBLIC cxx_std_20)
-set_target_properties(burin_room_headers PROPERTIES POSITION_INDEPENDENT_CODE "${BUILD_SHARED_LIBS}")
+if(BUILD_SHARED_LIBS)  # as the rooms have it; static ones follow CMAKE_POSITION_INDEPENDENT_CODE, and so does this
+  set_target_properties(burin_room_headers PROPERTIES POSITION_INDEPENDENT_CODE ON)
+endif()
 burin_warnings(burin_room_headers)
 burin_precompile(burin_room_headers)
