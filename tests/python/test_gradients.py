@@ -1,0 +1,127 @@
+"""Every gradient of render_vjp against central differences of render, in double.
+
+Differences at a step and at half of it are extrapolated (Richardson), which leaves errors of the fourth order. Radiance is float32, so
+a difference of E = sum(w * radiance) has rounding noise: 2^-24 of each pixel, random in sign, over the step. Steps are chosen so that
+both stay below the tolerance of 1e-3 of the largest derivative of the argument; 3e-3 in float packets (docs/model.md 4).
+
+E has kinks where edges of grooves and pixels cross. An end's step meets few of them. A pose or a machine's map moves all grooves over
+all pixels, so that some kinks lie within any step that rounding allows: 5e-3 and 1e-2 for these two.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+
+import pyburin as burin
+from setups import BENCH, BOARD, Floats, scratches, weights
+
+ENDS = scratches(60)
+STEPS = {"ends_mm": 2e-3, "width_um": 1.0, "depth_um": 0.05, "alpha": 2e-4, "base_alpha": 2e-4, "lamp_mm": 0.05,
+         "lamp_log_intensity": 2e-3, "pose": 2e-4, "bow_mm": 5e-3, "machine_map": 2e-5}
+
+KINKS = {"pose": 5e-3, "machine_map": 1e-2}
+
+
+def values(size: int, lights: int) -> dict[str, Any]:
+    random = np.random.default_rng(5)
+    return {
+        "ends_mm": ENDS,
+        "width_um": random.uniform(300, 500, size),
+        "depth_um": random.uniform(8, 14, size),
+        "alpha": random.uniform(0.07, 0.12, size),
+        "base_alpha": 0.2,
+        "lamp_mm": np.array([(-30.0, 22, 90), (25, 80, 100)])[:lights],
+        "lamp_log_intensity": np.array([0.1, -0.2])[:lights],
+        "pose": random.normal(0, 1, (2, 6)) * (0.03, 0.03, 0.03, 1, 1, 1),
+        "bow_mm": np.array([0.3, -0.2, 0.1]),
+        "machine_map": np.array([[1.002, 0.001, 0.1], [-0.002, 0.999, -0.2]]),
+    }
+
+
+def check(scene: burin.Scene, given: dict[str, Any], names: list[str], tolerance: float = 1e-3) -> None:
+    dE = weights(scene.shape)
+
+    def E(**changed: Any) -> float:
+        arguments = {**given, **changed}
+        return float((dE * burin.render(scene, arguments.pop("ends_mm"), **arguments)).sum())
+
+    arguments = dict(given)
+    by = burin.render_vjp(scene, arguments.pop("ends_mm"), dE, **arguments)
+    random = np.random.default_rng(7)
+    for name in names:
+        at: Floats = np.asarray(given[name], dtype=float)
+        gradient = np.asarray(getattr(by, name), dtype=float)
+        assert gradient.shape == at.shape, name
+        # All of a few numbers; of many, those that matter most and some others.
+        order = np.argsort(-np.abs(gradient).ravel())
+        places = order if at.size <= 12 else np.concatenate([order[:6], random.choice(order, 6, replace=False)])
+        for place in places:
+            step = np.zeros(at.size)
+            step[place] = STEPS[name]
+            step = step.reshape(at.shape)
+            wide, near = ((E(**{name: at + f * step}) - E(**{name: at - f * step})) / (2 * f * STEPS[name])
+                          for f in (1, 0.5))
+            by_hand = (4 * near - wide) / 3
+            error = abs(by_hand - gradient.ravel()[place])
+            # Pose's turns (per rad) and shifts (per mm) have each their own scale.
+            scale = np.abs(gradient.reshape(-1, 6)[:, (place % 6) // 3 * 3:][:, :3]).max() if name == "pose" else \
+                np.abs(gradient).max()
+            assert error < max(tolerance, KINKS.get(name, 0)) * scale, (name, int(place), by_hand, gradient.ravel()[place])
+
+
+@pytest.mark.parametrize("double", [True, False])
+def test_all_at_once_of_a_photo(double: bool) -> None:
+    scene = burin.Scene(BENCH, BOARD, double=double, channels=3)
+    given = values(len(ENDS), 1)
+    check(scene, given, list(given), 1e-3 if double else 3e-3)
+
+
+def test_two_lights() -> None:
+    scene = burin.Scene(BENCH, BOARD, lights=["lamp", "other"], double=True)
+    given = values(len(ENDS), 2)
+    check(scene, given, list(given))
+
+
+def test_pixels_on_the_board() -> None:
+    scene = burin.Scene(BENCH, BOARD, pixels=40, double=True)
+    given = {k: v for k, v in values(len(ENDS), 1).items() if k not in ("pose", "bow_mm")}
+    check(scene, given, list(given))
+
+
+def test_grooves_that_cut_each_other() -> None:
+    """Through carve(): pieces move with the ends of both scratches that cross.
+
+    A cut's end is a step in space, so differences have kinks of their own: 1 % of the largest.
+    """
+    bench = burin.Bench(BENCH.lens, BENCH.views, BENCH.lights, BENCH.material, crossings="last")
+    check(burin.Scene(bench, BOARD, double=True), {"ends_mm": ENDS}, ["ends_mm"], 1e-2)
+
+
+def test_a_machine_map_is_the_same_as_mapped_ends() -> None:
+    scene = burin.Scene(BENCH, BOARD)
+    given, dE = values(len(ENDS), 1)["machine_map"], weights(scene.shape)
+    mapped = ENDS @ given[:, :2].T + given[:, 2]
+    assert np.allclose(burin.render(scene, ENDS, machine_map=given), burin.render(scene, mapped), rtol=1e-6, atol=0)
+    by, by_mapped = burin.render_vjp(scene, ENDS, dE, machine_map=given), burin.render_vjp(scene, mapped, dE).ends_mm
+    assert np.allclose(by.ends_mm, by_mapped @ given[:, :2], rtol=1e-9, atol=1e-9)
+    places = np.concatenate([ENDS, np.ones((len(ENDS), 2, 1))], axis=2)
+    assert by.machine_map is not None
+    assert np.allclose(by.machine_map, np.einsum("nei,nej->ij", by_mapped, places), rtol=1e-9, atol=1e-9)
+
+
+def test_one_number_has_the_sum_of_the_gradient() -> None:
+    scene = burin.Scene(BENCH, BOARD)
+    dE = weights(scene.shape)
+    one = burin.render_vjp(scene, ENDS, dE, depth_um=9.0)
+    each = burin.render_vjp(scene, ENDS, dE, depth_um=np.full(len(ENDS), 9.0))
+    assert each.depth_um is not None and one.depth_um == each.depth_um.sum()
+    assert one.alpha is None and one.pose is None
+
+
+def test_what_has_no_derivative_is_refused_by_name() -> None:
+    scene = burin.Scene(BENCH, BOARD, pixels=20)
+    with pytest.raises(burin.Error, match="pose"):
+        burin.render_vjp(scene, ENDS, np.zeros(scene.shape), pose=np.zeros((2, 6)))
