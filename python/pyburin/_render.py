@@ -228,7 +228,8 @@ def tone(radiance: npt.ArrayLike, exposure: npt.ArrayLike = 1.0, gamma: float = 
     `exposure` is a number, or broadcasts against `radiance`: shape (V, 1, 1, 1) for one a view.
     """
     light = np.asarray(radiance) * np.asarray(exposure)
-    return np.clip(light, 0, 1) ** (1 / _checks.number("gamma", gamma, above=0))
+    out: npt.NDArray[Any] = np.clip(light, 0, 1) ** (1 / _checks.number("gamma", gamma, above=0))
+    return out
 
 
 @dataclass(frozen=True, eq=False)

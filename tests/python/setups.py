@@ -33,5 +33,5 @@ def weights(shape: tuple[int, ...]) -> Floats:
     Waves, and not noise: light that crosses an edge between two pixels has a kink in E as large as their weights differ.
     """
     view, row, column, channel = np.indices(shape)
-    waves = np.cos(0.35 * column + 0.25 * row + view + 2 * channel) + 0.5
+    waves: Floats = np.cos(0.35 * column + 0.25 * row + view + 2 * channel) + 0.5
     return waves.astype(np.float32).astype(np.float64)

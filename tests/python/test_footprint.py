@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import pyburin as burin
+from setups import Floats
 
 CASES = Path(__file__).parents[1] / "data" / "ndf-cases.csv"
 
@@ -20,7 +21,7 @@ def test_exact_cases() -> None:
         rows = list(csv.DictReader(file))
     assert len(rows) == 150
 
-    def of(*names: str) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
+    def of(*names: str) -> Floats:
         return np.array([[float(row[n]) for n in names] for row in rows])
 
     corner_names = [f"{axis}{k}" for k in range(4) for axis in "xy"]
@@ -39,18 +40,23 @@ def test_exact_cases() -> None:
 
     h = half / np.linalg.norm(half, axis=1, keepdims=True)
 
-    def tangential(g: np.ndarray[tuple[int, ...], np.dtype[np.float64]]) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
-        return g - (g * h).sum(1, keepdims=True) * h
+    def tangential(g: Floats) -> Floats:
+        out: Floats = g - (g * h).sum(1, keepdims=True) * h
+        return out
+
+    def columns(*names: str) -> Floats:
+        return np.column_stack([getattr(got, name) for name in names])
 
     assert got.dDhat_dhalf is not None and got.dDhat_dcorners_mm is not None and got.darea_dcorners_mm is not None
-    ours = np.column_stack([tangential(got.dDhat_dhalf), got.dDhat_dalpha, got.dDhat_dwidth_um, got.dDhat_ddepth_um,
-                            got.dDhat_dlength_mm, got.dDhat_dcorners_mm.reshape(-1, 8)])
+    ours = np.column_stack([tangential(got.dDhat_dhalf),
+                            columns("dDhat_dalpha", "dDhat_dwidth_um", "dDhat_ddepth_um", "dDhat_dlength_mm"),
+                            got.dDhat_dcorners_mm.reshape(-1, 8)])
     exact = np.column_stack([tangential(of("dDhat_dhx", "dDhat_dhy", "dDhat_dhz")),
                              of("dDhat_dalpha", "dDhat_dwidth_um", "dDhat_ddepth_um", "dDhat_dL_mm"),
                              of(*(f"dDhat_d{n}" for n in corner_names))])
     floor = 1e-14 * (diameter2 / (np.pi * alpha**2))[:, None]
     assert (np.abs(ours - exact) <= np.maximum(1e-8 * np.abs(exact).max(1, keepdims=True), floor)).all()
-    ours = np.column_stack([got.darea_dwidth_um, got.darea_ddepth_um, got.darea_dlength_mm,
+    ours = np.column_stack([columns("darea_dwidth_um", "darea_ddepth_um", "darea_dlength_mm"),
                             got.darea_dcorners_mm.reshape(-1, 8)])
     exact = np.column_stack([of("darea_dwidth_um", "darea_ddepth_um", "darea_dL_mm"),
                              of(*(f"darea_d{n}" for n in corner_names))])

@@ -71,7 +71,12 @@ def test_threads_give_the_same_bits() -> None:
 def test_gil_is_released() -> None:
     scene, ends = burin.Scene(BENCH, BOARD, pixels=256, double=True), scratches(3000)
     done = threading.Event()
-    worker = threading.Thread(target=lambda: (burin.render(scene, ends), done.set()))
+
+    def work() -> None:
+        burin.render(scene, ends)
+        done.set()
+
+    worker = threading.Thread(target=work)
     worker.start()
     steps = 0
     while not done.wait(0.0005):  # returns now and then only if the other thread does not hold the GIL
