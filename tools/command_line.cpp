@@ -153,35 +153,43 @@ std::string did_you_mean(const std::string& word, const std::vector<std::string>
   throw CLI::ExtrasError(fmt::format("{} does not take '{}'{}", name, word, guess), CLI::ExitCodes::ExtrasError);
 }
 
-/// CLI11 looks for options that are missing before it names one that is misspelled.
-void check_option_names(const CLI::App& app, const std::vector<std::string>& arguments) {
+/// The command that words from `at` on name, and `at` behind them: "check carve" are two. The app itself if they name
+/// none.
+const CLI::App& named_command(const CLI::App& app, const std::vector<std::string>& arguments, std::size_t& at) {
   const CLI::App* command = &app;
+  for (; at < arguments.size(); ++at) {
+    const auto among = command->get_subcommands([&](const CLI::App* one) { return one->get_name() == arguments[at]; });
+    if (among.empty()) break;
+    command = among.front();
+  }
+  return *command;
+}
+
+/// CLI11 looks for options that are missing before it names one that is misspelled.
+void check_option_names(const CLI::App& app, const CLI::App& command, const std::vector<std::string>& arguments) {
   for (const std::string& word : arguments) {
     if (word == "--") return;
-    const auto named = command->get_subcommands([&](const CLI::App* one) { return one->get_name() == word; });
-    if (!named.empty()) command = named.front();
     const std::string name = word.substr(0, word.find('='));
-    if (name.starts_with("--") && command->get_option_no_throw(name) == nullptr &&
+    if (name.starts_with("--") && command.get_option_no_throw(name) == nullptr &&
         app.get_option_no_throw(name) == nullptr)
-      fail_unexpected(app, *command, name);
+      fail_unexpected(app, command, name);
   }
 }
 
 void parse(CLI::App& app, const std::vector<std::string>& arguments) {
   // CLI11 would only report a missing command.
-  const std::size_t at = place_of_command(arguments);
-  const auto is_named = [&](const CLI::App* command) { return command->get_name() == arguments[at]; };
-  if (at < arguments.size() && !arguments[at].starts_with('-') && app.get_subcommands(is_named).empty())
-    fail_unknown_command(app, arguments[at]);
-  check_option_names(app, arguments);
+  const std::size_t first = place_of_command(arguments);
+  std::size_t behind = first;
+  const CLI::App& command = named_command(app, arguments, behind);
+  if (first < arguments.size() && !arguments[first].starts_with('-') && &command == &app)
+    fail_unknown_command(app, arguments[first]);
+  check_option_names(app, command, arguments);
   try {
     // CLI11 takes the arguments as a stack, the first on top.
     app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
   } catch (const CLI::ExtrasError&) {
-    const CLI::App* command = &app;
-    while (!command->get_subcommands().empty()) command = command->get_subcommands().front();
     const std::vector<std::string> words = app.remaining(true);
-    fail_unexpected(app, *command, words.empty() ? "" : words.front());
+    fail_unexpected(app, command, words.empty() ? "" : words.front());
   }
 }
 
@@ -284,14 +292,9 @@ namespace {
 std::vector<std::string> program_options_first(const std::vector<std::string>& arguments) {
   const auto app = make_app();
   const std::size_t at = place_of_command(arguments);
-  const CLI::App* command = app.get();
-  std::ptrdiff_t names = 0;  // "check carve" has two
-  for (std::size_t i = at; i < arguments.size(); ++i, ++names) {
-    const auto among = command->get_subcommands([&](const CLI::App* one) { return one->get_name() == arguments[i]; });
-    if (among.empty()) break;
-    command = among.front();
-  }
-  if (command == app.get()) return arguments;
+  std::size_t behind = at;
+  const CLI::App& command = named_command(*app, arguments, behind);
+  if (&command == app.get()) return arguments;
   std::vector<std::string> first, rest, own;
   for (std::size_t i = 0; i < arguments.size(); ++i) {
     const std::string& word = arguments[i];
@@ -300,12 +303,12 @@ std::vector<std::string> program_options_first(const std::vector<std::string>& a
       break;
     }
     const std::size_t words = words_of_program_option(word);
-    const bool is_own = words > 0 && command->get_option_no_throw(word.substr(0, word.find('='))) != nullptr;
+    const bool is_own = words > 0 && command.get_option_no_throw(word.substr(0, word.find('='))) != nullptr;
     std::vector<std::string>& into = is_own ? own : i < at || words > 0 ? first : rest;
     into.push_back(word);
     if (words == 2 && i + 1 < arguments.size()) into.push_back(arguments[++i]);
   }
-  rest.insert(rest.begin() + names, own.begin(), own.end());
+  rest.insert(rest.begin() + static_cast<std::ptrdiff_t>(behind - at), own.begin(), own.end());
   first.insert(first.end(), rest.begin(), rest.end());
   return first;
 }

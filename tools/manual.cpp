@@ -25,11 +25,15 @@ std::string roff(std::string_view text) {
   return out;
 }
 
+// "--out FILE"; flags and positionals have no type.
+std::string names_of(const CLI::Option& option) {
+  const bool has_type = option.get_expected_max() != 0 && option.get_type_size() != 0 && !option.get_positional();
+  const std::string type = has_type ? option.get_type_name() : "";
+  return option.get_name(true, true) + (type.empty() ? "" : " " + type);
+}
+
 std::string option_item(const CLI::Option& option) {
-  std::string names = option.get_name(true, true), type = option.get_type_name();
-  if (option.get_expected_max() == 0 || option.get_type_size() == 0) type.clear();
-  return fmt::format(".TP\n.B {}{}\n{}{}\n", roff(names),
-                     type.empty() || option.get_positional() ? "" : " " + roff(type), roff(option.get_description()),
+  return fmt::format(".TP\n.B {}\n{}{}\n", roff(names_of(option)), roff(option.get_description()),
                      option.get_default_str().empty() ? "" : roff(" [" + option.get_default_str() + "]"));
 }
 
@@ -60,11 +64,9 @@ std::string title(const std::string& name) {
 // ---- Markdown ----
 
 std::string option_line(const CLI::Option& option) {
-  std::string type = option.get_type_name();
-  if (option.get_expected_max() == 0 || option.get_type_size() == 0 || option.get_positional()) type.clear();
   const std::string fallback = option.get_default_str();
-  return fmt::format("- `{}{}`: {}{}{}\n", option.get_name(true, true), type.empty() ? "" : " " + type,
-                     option.get_description(), option.get_required() ? " (required)" : "",
+  return fmt::format("- `{}`: {}{}{}\n", names_of(option), option.get_description(),
+                     option.get_required() ? " (required)" : "",
                      fallback.empty() ? "" : fmt::format(" [default: {}]", fallback));
 }
 
