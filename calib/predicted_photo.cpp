@@ -1,10 +1,9 @@
 #include "burin/calib/predicted_photo.h"
 
-#include "burin/capture/glare.h"
-
 #include <algorithm>
 #include <utility>
 
+#include "burin/capture/glare.h"
 #include "burin/render/view_renderer.h"
 #include "burin/scene/board_face.h"
 
