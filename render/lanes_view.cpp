@@ -266,10 +266,15 @@ struct Ways {
   LaneLight light;
 };
 
-// Walls of a lane as nodes of a quadrature rule: three Gauss-Legendre nodes, in parts narrower than a lobe.
+// Walls of a lane as nodes of a quadrature rule: three Gauss-Legendre nodes, in parts narrower than a lobe. Shares are
+// known at the middles of lanes. Either half of a groove takes them as linear in between, up to its rim and to the
+// groove's middle, where equal grooves begin to cut each other (7.10). A constant share in each lane would add up to 1
+// % of light that varies within lanes. So each node's light goes to its own lane and to one beside it.
 struct WallNodes {
   std::vector<float> sine, cosine, weight_mm;
-  std::vector<int> end;  // of each lane
+  std::vector<float> beside;  // weight of the other lane
+  std::vector<int> other;     // that lane, as seen from the node's: -1, 0 or 1
+  std::vector<int> end;       // of each lane
   std::array<float, 2> rim_sine{}, rim_cosine{};
 
   void make(const GrooveProfile& profile, std::span<const Lane> lanes, double width_um, double depth_um, double alpha);
@@ -281,7 +286,7 @@ void WallNodes::make(const GrooveProfile& profile, std::span<const Lane> lanes, 
       kWeight{5.0 / 18, 8.0 / 18, 5.0 / 18};
   constexpr double kPartOfLobe = 0.6;
   constexpr int kMostParts = 16;
-  sine.clear(), cosine.clear(), weight_mm.clear(), end.clear();
+  sine.clear(), cosine.clear(), weight_mm.clear(), beside.clear(), other.clear(), end.clear();
   const double half_um = half_width_um(profile, width_um, depth_um);
   const auto lean_at = [&](const Lane& lane, double share) {
     if (lane.part == Lane::Part::groove) return wall_lean(profile, width_um, share * half_um);
@@ -289,17 +294,25 @@ void WallNodes::make(const GrooveProfile& profile, std::span<const Lane> lanes, 
     return lane.part == Lane::Part::right_burr ? burr_lean(profile.burr_right_um, profile.burr_width_um, from_middle)
                                                : burr_lean(profile.burr_left_um, profile.burr_width_um, -from_middle);
   };
-  for (const Lane& lane : lanes) {
+  for (std::size_t l = 0; l < lanes.size(); ++l) {
+    const Lane& lane = lanes[l];
+    const bool is_first = l == 0 || lanes[l - 1].part != lane.part || lane.from == 0,
+               is_last = l + 1 == lanes.size() || lanes[l + 1].part != lane.part || lane.to == 0;
     const double width_of_lane_um = lane_place(lane, half_um, profile.burr_width_um).width_um;
     const double leans = std::abs(lean_at(lane, lane.to) - lean_at(lane, lane.from));
     const int parts = std::clamp(static_cast<int>(std::ceil(leans / (kPartOfLobe * alpha))), 1, kMostParts);
     for (int part = 0; part < parts; ++part)
       for (std::size_t k = 0; k < kNode.size(); ++k) {
-        const double share = lane.from + (lane.to - lane.from) * (part + 0.5 * (1 + kNode[k])) / parts;
+        const double in_lane = (part + 0.5 * (1 + kNode[k])) / parts, from_middle = in_lane - 0.5;
+        const double share = lane.from + (lane.to - lane.from) * in_lane;
         const double lean = lean_at(lane, share);
         sine.push_back(static_cast<float>(std::sin(lean)));
         cosine.push_back(static_cast<float>(std::cos(lean)));
         weight_mm.push_back(static_cast<float>(1e-3 * width_of_lane_um * kWeight[k] / parts));
+        const int towards = from_middle < 0 ? -1 : 1;
+        const bool is_rim = towards < 0 ? is_first : is_last;
+        other.push_back(is_first && is_last ? 0 : is_rim ? -towards : towards);
+        beside.push_back(static_cast<float>(is_rim ? -std::abs(from_middle) : std::abs(from_middle)));
       }
     end.push_back(static_cast<int>(sine.size()));
   }
@@ -334,7 +347,7 @@ struct LaneGroup {
 // Fewest groups whose width in the picture is at most this share of a pixel.
 std::vector<LaneGroup> groups_of(std::span<const Lane> lanes, std::span<const float> width_mm,
                                  std::span<const float> middle_mm, double px_by_mm) {
-  constexpr double kWidestPx = 0.1;
+  constexpr double kWidestPx = 0.07;
   std::vector<LaneGroup> out;
   for (std::size_t l = 0; l < lanes.size(); ++l) {
     if (out.empty() || lanes[l].part != lanes[l - 1].part || px_by_mm * (out.back().width_mm + width_mm[l]) > kWidestPx)
@@ -700,22 +713,19 @@ void LanesView::Data::find_light(const LanedGrooves& of, std::size_t i, bool slo
         lobes_on_walls(n, walls.sine.data(), walls.cosine.data(), walls.weight_mm.data(), at, work.value.data());
       const auto by_log_G = static_cast<float>(alpha * g.dG_dalpha / g.G);
       int k = 0;
-      for (std::size_t l = 0; l < lanes.size(); ++l) {
-        const std::size_t to = node * lanes.size() + l;
-        float sum = 0, alpha_sum = 0, across_sum = 0, along_sum = 0;
+      for (std::size_t l = 0; l < lanes.size(); ++l)
         for (; k < walls.end[l]; ++k) {
-          sum += work.value[k];
+          const std::size_t to = node * lanes.size() + l, next = to + walls.other[k];
+          const auto add = [&](std::vector<float>& sums, float number) {
+            sums[next] += walls.beside[k] * number;
+            sums[to] += (1 - walls.beside[k]) * number;
+          };
+          add(light.value, work.value[k]);
           if (!slopes) continue;
-          alpha_sum += work.by_alpha[k];
-          across_sum += work.by_across[k];
-          along_sum += work.by_along[k];
+          add(light.by_alpha, work.by_alpha[k] + by_log_G * work.value[k]);
+          add(light.by_across, work.by_across[k]);
+          add(light.by_along, work.by_along[k]);
         }
-        light.value[to] += sum;
-        if (!slopes) continue;
-        light.by_alpha[to] += alpha_sum + by_log_G * sum;
-        light.by_across[to] += across_sum;
-        light.by_along[to] += along_sum;
-      }
       if (!slopes) continue;
       const std::array<float, 2> one{1, 1};
       std::array<float, 2> rims{};

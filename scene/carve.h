@@ -78,7 +78,7 @@ Sent compensated(const Designed& designed, const Bench& bench, const Board& boar
 struct CutInto {
   int steps = kCrossingSteps;  ///< of visible_pieces()
   int lanes = 0;               ///< of visible_lanes(); 0: pieces
-  double cell_mm = 0.1;        ///< of visible_lanes()
+  double cell_mm = 0.05;       ///< of visible_lanes()
 };
 Carved carve(const Sent& sent, const Bench& bench, const Board& board,
              std::span<const Eigen::AlignedBox2d> looked_at = {}, const CutInto& cut = {});

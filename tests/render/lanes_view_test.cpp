@@ -136,30 +136,38 @@ struct PointLight {
   }
 };
 
+// 140 grooves on 80 mm^2, whose widths, depths and roughnesses vary between `least` and its inverse, seen by 40 x 40
+// pixels.
+World crossing_grooves(unsigned seed, double least, double alpha, double focal_px, const Eigen::Vector3d& camera_mm) {
+  World w = small_world(0);
+  w.bench.bow_mm.setZero();
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> where(6, 14), turn(0, 2 * std::numbers::pi), factor(least, 1 / least);
+  for (int i = 0; i < 140; ++i) {
+    const double a = turn(random), l = 4 * factor(random), x = where(random), y = where(random);
+    w.scratches.x0_mm.push_back(x - l / 2 * std::cos(a));
+    w.scratches.y0_mm.push_back(y - l / 2 * std::sin(a));
+    w.scratches.x1_mm.push_back(x + l / 2 * std::cos(a));
+    w.scratches.y1_mm.push_back(y + l / 2 * std::sin(a));
+    w.scratches.width_um.push_back(400 * factor(random));
+    w.scratches.depth_um.push_back(14 * factor(random));
+    w.scratches.alpha.push_back(alpha * factor(random));
+  }
+  w.bench.lens.width = 40;
+  w.bench.lens.height = 40;
+  w.bench.lens.intrinsics = {focal_px, 0.98 * focal_px, 19.5, 20.5, -0.1, 0.05, 0.001, -0.001, 0, 0, 0, 0};
+  View view;
+  view.T_camera_board = looking_at(camera_mm, {10, 10, 0});
+  w.camera = make_camera_view(w.bench, w.board, view, {0, 0, 40, 40});
+  w.scene = make_scene(w.bench, w.board, w.camera, w.bench.lights[0]);
+  w.scene.ambient.setZero();
+  return w;
+}
+
 TEST(LanesView, GroovesThatCrossShowTheLowestWalls) {
   for (const unsigned seed : {1U, 2U, 3U}) {
-    World w = small_world(0);
-    w.bench.bow_mm.setZero();
+    const World w = crossing_grooves(seed, 0.8, 0.08, 700, {12, 26, 44});
     std::mt19937 random(seed);
-    std::uniform_real_distribution<double> where(6, 14), turn(0, 2 * std::numbers::pi), factor(0.8, 1.25);
-    for (int i = 0; i < 140; ++i) {
-      const double a = turn(random), l = 4 * factor(random), x = where(random), y = where(random);
-      w.scratches.x0_mm.push_back(x - l / 2 * std::cos(a));
-      w.scratches.y0_mm.push_back(y - l / 2 * std::sin(a));
-      w.scratches.x1_mm.push_back(x + l / 2 * std::cos(a));
-      w.scratches.y1_mm.push_back(y + l / 2 * std::sin(a));
-      w.scratches.width_um.push_back(400 * factor(random));
-      w.scratches.depth_um.push_back(14 * factor(random));
-      w.scratches.alpha.push_back(0.08 * factor(random));
-    }
-    w.bench.lens.width = 40;
-    w.bench.lens.height = 40;
-    w.bench.lens.intrinsics = {700, 690, 19.5, 20.5, -0.1, 0.05, 0.001, -0.001, 0, 0, 0, 0};
-    View view;
-    view.T_camera_board = looking_at({12, 26, 44}, {10, 10, 0});
-    w.camera = make_camera_view(w.bench, w.board, view, {0, 0, 40, 40});
-    w.scene = make_scene(w.bench, w.board, w.camera, w.bench.lights[0]);
-    w.scene.ambient.setZero();
     Image found;
     ViewRenderer(w.scene).forward(in_lanes(w, Crossings::deepest, 24), found);
     const PointLight light(w);
@@ -190,6 +198,30 @@ TEST(LanesView, GroovesThatCrossShowTheLowestWalls) {
     EXPECT_LT(std::sqrt(error2 / sum2), 0.007 + std::sqrt(noise2 / sum2)) << "seed " << seed;
     EXPECT_NEAR(found_sum / sum, 1, 3e-3) << "seed " << seed;
   }
+}
+
+// A lobe as narrow as a lane meets walls near the rims, of which crossings leave less the nearer they are to the rim.
+TEST(LanesView, FewLanesShowTheLightOfMany) {
+  for (const unsigned seed : {1U, 2U, 3U})
+    for (const double alpha : {0.03, 0.06}) {
+      World w = crossing_grooves(seed, 1, alpha, 1700, {10, 100, 420});
+      w.scene.light.position_mm = {10, 300, 400};
+      const double slope = 0.4 + 0.2 * seed;
+      for (std::size_t i = 0; i < w.scratches.size(); ++i) {
+        const bool glints = i % 2 == 0;  // the others cross those that glint, and none lies along another
+        const double y_mm = glints ? 6 + 0.058 * static_cast<double>(i) : 0.12 * static_cast<double>(i);
+        w.scratches.x0_mm[i] = 6;
+        w.scratches.x1_mm[i] = 14;
+        w.scratches.y0_mm[i] = y_mm;
+        w.scratches.y1_mm[i] = y_mm + (glints ? 0 : 8 * slope);
+      }
+      const auto light_of = [&](int lanes) {
+        Image radiance;
+        ViewRenderer(w.scene).forward(in_lanes(w, Crossings::deepest, lanes), radiance);
+        return std::accumulate(radiance.data.begin(), radiance.data.end(), 0.0);
+      };
+      EXPECT_NEAR(light_of(16) / light_of(192), 1, 5e-5) << "seed " << seed << ", alpha " << alpha;
+    }
 }
 
 }  // namespace
