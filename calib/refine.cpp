@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 
@@ -400,21 +401,23 @@ void RefineRun::refuse_other_grooves(const std::string& seen) const {
 }
 
 std::string RefineRun::missing_in(const std::vector<std::size_t>& photos) const {
+  std::set<std::string> names;  // a view has a photo for each lamp
+  for (const std::size_t k : photos) names.insert(out.bench.views[data.photos[k].photo.view].name);
   std::string list;
-  for (const std::size_t k : photos)
-    list += (list.empty() ? "" : ", ") + out.bench.views[data.photos[k].photo.view].name;
+  for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
   return counted(photos.size(), "photo") + ", of views " + list + ", show none of them at its place";
 }
 
 // After the first fit only a plain case is refused. The fits that follow would look for long in such photos.
 void RefineRun::refuse_another_board() {
-  constexpr double kPlainly = 0.25;  // own boards share 0.83 or more after the first fit, others at most 0.10
+  constexpr double kPlainly = 0.25;  // medians: own boards share 0.86 or more after the first fit, others at most 0.1
   light_around(state, data);
   const std::vector<GrooveAgreement> agreements = groove_agreements(data, state);
   const std::vector<std::size_t> other = photos_of_other_grooves(agreements);
-  const bool plain =
-      std::all_of(other.begin(), other.end(), [&](std::size_t k) { return agreements[k].share < kPlainly; });
-  if (!other.empty() && plain && 2 * other.size() > data.photos.size()) refuse_other_grooves(missing_in(other));
+  if (2 * other.size() <= data.photos.size()) return;
+  std::vector<double> shares;
+  for (const std::size_t k : other) shares.push_back(agreements[k].share);
+  if (median_of(std::move(shares)) < kPlainly) refuse_other_grooves(missing_in(other));
 }
 
 void RefineRun::compare_grooves() {

@@ -62,6 +62,29 @@ Sent scratches_to_either_side(const Sent& sent, double aside_mm, std::uint64_t s
   return out;
 }
 
+// Each groove keeps its place, and takes the direction and length of one nearby. The light of all together stays.
+Sent exchange_directions(const Sent& sent) {
+  constexpr double kNear_mm = 8;
+  Sent out = sent;
+  const Scratches& from = sent.scratches;
+  std::vector<std::size_t> order(from.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  const auto cell = [&](std::size_t i) {
+    return std::pair(std::floor((from.y0_mm[i] + from.y1_mm[i]) / (2 * kNear_mm)),
+                     std::floor((from.x0_mm[i] + from.x1_mm[i]) / (2 * kNear_mm)));
+  };
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return cell(a) < cell(b); });
+  for (std::size_t n = 0; n < order.size(); ++n) {
+    const std::size_t i = order[n], j = order[(n + 1) % order.size()];
+    const double x_mm = 0.5 * (from.x0_mm[i] + from.x1_mm[i]), y_mm = 0.5 * (from.y0_mm[i] + from.y1_mm[i]);
+    const double half_x_mm = 0.5 * (from.x1_mm[j] - from.x0_mm[j]), half_y_mm = 0.5 * (from.y1_mm[j] - from.y0_mm[j]);
+    Scratches& to = out.scratches;
+    to.x0_mm[i] = x_mm - half_x_mm, to.x1_mm[i] = x_mm + half_x_mm;
+    to.y0_mm[i] = y_mm - half_y_mm, to.y1_mm[i] = y_mm + half_y_mm;
+  }
+  return out;
+}
+
 constexpr double kFinePx = 1;  // sigma of the Gaussian that is taken off
 
 // The pixels less their Gaussian mean, over pixels with a weight.
@@ -108,38 +131,51 @@ FineShare fine_share(const PhotoData& photo, const Image& own, const Image& sing
 }  // namespace
 
 std::vector<GrooveAgreement> groove_agreements(const Problem& data, const State& state) {
-  std::vector<Sums> sums(data.photos.size());
   const Carved carved = carved_at(data.model, state.of(0));
   std::vector<Image> own(data.photos.size());
   each_photo(data, [&](std::size_t k) {
     own[k] = predict(data.model, data.photos[k], state.of(data.photos[k].photo.light), carved);
   });
-  for (const auto& [x, y] : kAside) {
-    State moved = state;
-    moved.shared[unknown::machine + 4] += kAside_mm * x;
-    moved.shared[unknown::machine + 5] += kAside_mm * y;
-    const Carved carved_aside = carved_at(data.model, moved.of(0));
+  const auto add = [&](const Carved& other, const State& at, std::vector<Sums>& sums) {
     each_photo(data, [&](std::size_t k) {
       const PhotoData& photo = data.photos[k];
       const double error = data.photo_model_error.empty() ? 0 : data.photo_model_error[k];
-      const Image aside = predict(data.model, photo, moved.of(photo.photo.light), carved_aside);
-      const Sums one = compare_predictions(photo, error, own[k], aside);
+      const Sums one =
+          compare_predictions(photo, error, own[k], predict(data.model, photo, at.of(photo.photo.light), other));
       sums[k].towards += one.towards;
       sums[k].difference += one.difference;
       sums[k].by_noise += one.by_noise;
       sums[k].pixels += one.pixels;
     });
+  };
+  std::vector<Sums> aside(data.photos.size()), exchanged = aside;
+  for (const auto& [x, y] : kAside) {
+    State moved = state;
+    moved.shared[unknown::machine + 4] += kAside_mm * x;
+    moved.shared[unknown::machine + 5] += kAside_mm * y;
+    add(carved_at(data.model, moved.of(0)), moved, aside);
   }
-  constexpr double kFarFromNoise = 3;   // RMS of the predictions' difference, in units of the photo's noise
-  constexpr std::size_t kFewest = 500;  // pixels, in each of the comparisons
+  const Sent other_ways = exchange_directions(*data.model.sent);
+  ModelData model = data.model;
+  model.sent = &other_ways;
+  add(carved_at(model, state.of(0)), state, exchanged);
+  constexpr double kFarFromNoise = 3;    // RMS of the predictions' difference, in units of the photo's noise
+  constexpr std::size_t kFewest = 500;   // pixels, in each of the comparisons
+  constexpr double kSigmasOfOneWay = 6;  // nearby grooves may have one direction: then their exchange shows nothing
   std::vector<GrooveAgreement> out;
-  for (const Sums& s : sums) {
+  for (std::size_t k = 0; k < aside.size(); ++k) {
+    const Sums &s = aside[k], &e = exchanged[k];
     GrooveAgreement& agreement = out.emplace_back();
     const auto pixels = static_cast<double>(s.pixels);
     if (s.pixels < kFewest * kAside.size() || !(s.difference > 0)) continue;
     agreement.tells = s.by_noise > kFarFromNoise * kFarFromNoise * pixels;
     agreement.share = s.towards / s.difference;
     agreement.sigmas = std::sqrt(s.difference / static_cast<double>(kAside.size()));
+    const double sigmas = std::sqrt(e.difference);
+    if (sigmas > kSigmasOfOneWay && e.towards / e.difference < agreement.share) {
+      agreement.share = e.towards / e.difference;
+      agreement.sigmas = sigmas;
+    }
   }
   return out;
 }

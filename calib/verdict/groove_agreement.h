@@ -4,7 +4,8 @@
 // The test predicts each photo twice: with the grooves at their places, and with all of them shifted by 2.7 mm, in each
 // of four directions. A photo of these grooves agrees with the first prediction; a photo of others is halfway between
 // the two. In a fit to photos without its grooves, they fade until no single photo distinguishes the predictions. All
-// photos together still distinguish them.
+// photos together still distinguish them. A second pair of predictions has the grooves' directions exchanged among
+// neighbors: other grooves may glint at the same places.
 //
 // Boards of the same pictures (another seed, the next round) pass this test, because their grooves nearly coincide. A
 // second test compares the contribution of single grooves in the photos' own pixels.

@@ -81,6 +81,46 @@ TEST(GrooveAgreement, OnePhotoOfAnotherBoardIsNamedAndManyAreNotAFit) {
 
 // Photos whose pixels vary, of these grooves and of others of the same picture: each elsewhere by a millimeter or two.
 // From afar both are the same board.
+// Grooves at the same places with other directions: a fit makes them so rough that all glint a little everywhere.
+TEST(GrooveAgreement, OtherDirectionsAtTheSamePlacesAreOtherGrooves) {
+  SmallGrooves own, other;
+  fill_small_grooves(own, 11);
+  std::mt19937_64 random = fill_small_grooves(other, 11);
+  std::uniform_real_distribution<double> turn(0, std::numbers::pi);
+  std::normal_distribution<float> normal;
+  Scratches& turned = other.sent.scratches;
+  for (std::size_t i = 0; i < turned.size(); ++i) {
+    const double x = 0.5 * (turned.x0_mm[i] + turned.x1_mm[i]), y = 0.5 * (turned.y0_mm[i] + turned.y1_mm[i]);
+    const double a = turn(random);
+    turned.x0_mm[i] = x - 2 * std::cos(a), turned.x1_mm[i] = x + 2 * std::cos(a);
+    turned.y0_mm[i] = y - 2 * std::sin(a), turned.y1_mm[i] = y + 2 * std::sin(a);
+  }
+  for (const SmallGrooves* carved : {&own, &other}) {
+    SmallGrooves s;
+    fill_small_grooves(s, 11);
+    State state = s.truth;
+    if (carved == &other) state.shared[unknown::log_alpha] = std::log(0.4);
+    for (int k = 0; k < 6; ++k) {
+      LightView view = add_view(s, k);
+      PhotoData photo = make_photo_data(view, 1, s.board, s.bench, 2);
+      photo.photo.value =
+          predict(carved->data.model, photo, s.truth.of(0), carved_at(carved->data.model, s.truth.of(0)));
+      const float noise = 0.01F * *std::max_element(photo.photo.value.data.begin(), photo.photo.value.data.end());
+      for (std::size_t i = 0; i < photo.weight.size(); ++i) {
+        photo.photo.value.data[i] += noise * normal(random);
+        photo.photo.sigma.data[i] = noise;
+        if (photo.weight[i] > 0) photo.weight[i] = 1 / noise;
+      }
+      s.data.photos.push_back(std::move(photo));
+    }
+    s.data.photo_model_error.assign(s.data.photos.size(), 0.1);
+    const std::vector<GrooveAgreement> agreements = groove_agreements(s.data, state);
+    for (const GrooveAgreement& one : agreements)
+      EXPECT_TRUE(carved == &own ? one.share > 0.9 : one.share < 0.25) << one.share << " at " << one.sigmas;
+    EXPECT_EQ(photos_of_other_grooves(agreements).size(), carved == &own ? 0 : agreements.size());
+  }
+}
+
 TEST(GrooveAgreement, SingleGroovesTellABoardOfTheSamePictures) {
   SmallGrooves own, other;
   fill_small_grooves(own, 11);
