@@ -287,6 +287,13 @@ class Machine {
     // All but Marlin take the words as an intermediate place on the board.
     if (words.has_axis() && profile_.dialect != GcodeDialect::marlin)
       error("goes home by a place of the board", "lift the tool by a line of its own, and take X, Y and Z away");
+    if (profile_.dialect == GcodeDialect::marlin && words.has_g(280)) {
+      // On most machines down to the table, where the sheet is; and Z 0 is there from then on.
+      if (!words.has_axis() || words.has('Z'))
+        error("homes Z (G28), by which Marlin goes down to the table and forgets where Z zero was set",
+              "home before you set zero; G28 X0 Y0 at the end of a file homes X and Y alone");
+      zero_is_lost_ = true;
+    }
     leave_for_unknown(words);
   }
 
@@ -374,6 +381,9 @@ class Machine {
     Eigen::Vector3d to = at_;
     for (int axis = 0; axis < 3; ++axis)
       if (const char letter = "XYZ"[axis]; words.has(letter)) to[axis] = words[letter] * unit_mm_;
+    if (zero_is_lost_ && (words.has('X') || words.has('Y')))
+      error("moves after G28, by which Marlin forgets where X and Y zero were set",
+            "home before you set zero, or at the end of the file");
     check_place(words, to);
     require_safe_head();
     if (profile_.dialect == GcodeDialect::marlin && to.z() < 0 && !below_zero_)
@@ -512,7 +522,7 @@ class Machine {
   bool below_zero_ = false;                                        ///< Marlin has a command that permits Z below zero
   double spindle_s_ = kUnknown, head_depth_mm_ = kUnknown;
   bool carved_since_ = false;  ///< since the tool entered the metal
-  bool rapid_ = true, moving_ = false, absolute_ = false, moved_ = false;
+  bool rapid_ = true, moving_ = false, absolute_ = false, moved_ = false, zero_is_lost_ = false;
   bool commanded_ = false;               ///< the file had lines other than comments
   int percent_ = 0;                      ///< number of % lines
   std::array<int, 2> offset_{490, 540};  ///< of the tool's length, and of the work

@@ -127,6 +127,20 @@ TEST(Replay, WhatAControllerWouldMisreadIsRefused) {
   refuses("(" + std::string(80, 'a') + ")", "82 characters, and the machine reads 79");
 }
 
+// Marlin's G28 counts from its switches afterwards: Z zero on a sheet, set by hand, is the table then.
+TEST(Replay, MarlinHomesNoAxisThatIsStillUsed) {
+  const auto replay = [](const std::string& lines) {
+    replay_gcode("G21\nG90\n" + lines, machine_profile("marlin"), "file.gcode");
+  };
+  for (const char* home : {"G28\n", "G28 Z0\n", "G28 X0 Y0 Z0\n"})
+    for (const std::string& lines :
+         {home + std::string("G0 Z5 F900\nG0 X1 Y1\n"), "G0 Z5 F900\nG0 X1 Y1\n" + std::string(home)})
+      EXPECT_THAT([&] { replay(lines); }, ThrowsMessage<Error>(HasSubstr("forgets where Z zero was set"))) << lines;
+  EXPECT_THAT([&] { replay("G28 X0 Y0\nG0 Z5 F900\nG0 X1 Y1\n"); },
+              ThrowsMessage<Error>(HasSubstr("forgets where X and Y zero were set")));
+  EXPECT_NO_THROW(replay("G0 Z5 F900\nG0 X1 Y1\nG28 X0 Y0\n"));
+}
+
 // The tool goes where nothing is carved: through the face, into it, or out of reach.
 TEST(Replay, WaysThatSpoilABoardAreRefused) {
   const auto refuses = [](const std::string& lines, const std::string& why, const MachineProfile& machine) {
