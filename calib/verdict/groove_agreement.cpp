@@ -183,12 +183,18 @@ std::vector<GrooveAgreement> groove_agreements(const Problem& data, const State&
 SingleGrooves compare_single_grooves(const Problem& data, const std::vector<LightView>& views, const Bench& bench,
                                      const State& state) {
   constexpr std::size_t kMostPhotos = 8, kDraws = 2, kFewestPhotos = 3;
+  constexpr std::size_t kMostPixels = 40'000'000;  // four photos of 12 megapixels show as much as eight of 3
   constexpr double kAsidePx = 1, kTelling = 0.25;
   std::vector<std::size_t> nearest(views.size());
   std::iota(nearest.begin(), nearest.end(), std::size_t{0});
   std::stable_sort(nearest.begin(), nearest.end(),
                    [&](std::size_t a, std::size_t b) { return pixel_mm(views[a], bench) < pixel_mm(views[b], bench); });
-  nearest.resize(std::min(nearest.size(), kMostPhotos));
+  std::size_t chosen = 0;
+  for (std::size_t pixels = 0; chosen < std::min(nearest.size(), kMostPhotos); ++chosen) {
+    if (chosen >= kFewestPhotos && pixels >= kMostPixels) break;
+    pixels += views[nearest[chosen]].value.data.size();
+  }
+  nearest.resize(chosen);
   const double aside_mm = kAsidePx * pixel_mm(views[nearest[nearest.size() / 2]], bench);
   ModelData model = data.model;
   model.sample = {};
