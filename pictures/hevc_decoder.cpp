@@ -43,6 +43,13 @@ const char* fault_of_unit(std::string_view unit) {
   for (std::size_t i = unit.find("\0\0"sv); i != std::string_view::npos && i + 2 < unit.size();
        i = unit.find("\0\0"sv, i + 1))
     if (static_cast<unsigned char>(unit[i + 2]) < 3) return "bytes of it have been overwritten by zeros";
+  // Raw samples of one white block are the longest run that coding makes (7.3.8.7). Erased memory is all ones.
+  constexpr std::ptrdiff_t kLongestRun = 32 * 32;
+  for (auto same = unit.begin(); same != unit.end();) {
+    const auto next = std::find_if(same, unit.end(), [&](char c) { return c != *same; });
+    if (next - same > kLongestRun) return "bytes of it have been overwritten by one value";
+    same = next;
+  }
   return nullptr;
 }
 

@@ -172,6 +172,18 @@ TEST(WholePicturesByName, AZeroedTailOfAHeicIsFound) {
   EXPECT_THAT([&] { read_picture(folder.write("b.heic", bytes)); }, ThrowsMessage<Error>(HasSubstr("ends in zeros")));
 }
 
+// Erased memory of a card, in a file of its full length. libde265 takes it for blocks without detail.
+TEST(WholePicturesByName, AnErasedTailOfAHeicIsFound) {
+  const TemporaryFolder folder;
+  if (!write_waves(folder / "a.heic", {"a.heic"})) GTEST_SKIP() << "no encoder of HEIC";
+  const std::string whole = file_text(folder / "a.heic");
+  for (const char erased : {'\xff', '\xf6'}) {
+    std::string bytes = whole;
+    for (std::size_t i = std::min(bytes.size() * 7 / 10, bytes.size() - 1100); i < bytes.size(); ++i) bytes[i] = erased;
+    EXPECT_THAT([&] { read_picture(folder.write("b.heic", bytes)); }, ThrowsMessage<Error>(HasSubstr("damaged")));
+  }
+}
+
 // Each scan of a progressive JPEG goes over all of its pixels; a file of some kilobytes can ask for hours.
 TEST(WholePicturesByName, AJpegOfThousandsOfScansIsRefused) {
   const TemporaryFolder folder;
