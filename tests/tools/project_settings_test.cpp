@@ -194,8 +194,10 @@ TEST(ProjectSettings, TheReachOfTheMachineIsAskedForOnce) {
               HasSubstr("how far grbl reaches"))
       << "another machine";
   EXPECT_THAT(p.in("project", {"status"}).out, Not(HasSubstr("out of date"))) << "no design rests on it";
-  // What is too far is refused from then on.
-  ASSERT_EQ(p.in(".", {"loop", "project", "--travel", "3x3cm"}).exit_code, 0);
+  // What is too far is refused from then on, and the tool path that is there as well.
+  const Outcome there = p.in(".", {"loop", "project", "--travel", "3x3cm"});
+  EXPECT_EQ(there.exit_code, 1);
+  EXPECT_THAT(there.err, HasSubstr("do not carve this"));
   EXPECT_THAT(file_text(p.project / "loop.toml"), HasSubstr("travel_mm = [[0, 0], [30, 30]]"));
   const Outcome far = p.in("project", toolpath);
   EXPECT_EQ(far.exit_code, 1);

@@ -70,7 +70,7 @@ std::string changed_since_sheet(const Project& project) {
           (name == kScratches ? then->second == text : is_same_place(then->second, text)))
         continue;
       out += (out.empty() ? "" : ", ") +
-             (name == kScratches ? "the scratches, for which its photos are planned" : "the place of " + name);
+             (name == kScratches ? "the scratches that its photos are planned for" : "the place of " + name);
     }
     return out;
   } catch (const Error&) {  // a file during editing: its next reader reports the error

@@ -289,7 +289,12 @@ StageBasis basis_of(const LoopProject& loop, const StageOfRound& at) {
     case StageKind::board:
       return {{project.folder / "board.json", round / "sent.csv"}, {}};
     case StageKind::check:
-      return {check_basis(loop, at.round), option_texts(loop.options, loop.options.toolpath)};
+      basis = {check_basis(loop, at.round), option_texts(loop.options, loop.options.toolpath)};
+      // A reach that is named after the tool path was written is held against it.
+      if (const auto& reach = loop.options.travel)
+        basis.options["travel"] = fmt::format("{:g} {:g} {:g} {:g}", reach->min_mm.x(), reach->min_mm.y(),
+                                              reach->max_mm.x(), reach->max_mm.y());
+      return basis;
     case StageKind::photos:
       return {{project.folder / "truth.json", round / "sent.csv"}, {}};
     case StageKind::refine:
