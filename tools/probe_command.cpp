@@ -10,6 +10,7 @@
 #include "burin/base/files/decimals.h"
 #include "burin/base/files/json_file.h"
 #include "burin/base/files/write_file.h"
+#include "burin/optimize/toolpath.h"
 #include "burin/optimize/toolpath/gcode.h"
 #include "burin/optimize/toolpath/probe.h"
 #include "burin/optimize/toolpath/probe_check.h"
@@ -29,6 +30,9 @@ struct ProbeArguments {
 };
 
 void write_probing(ProbeArguments options, const CLI::App& command) {
+  if (options.out != "-" && !has_gcode_name(options.out))
+    fail(options.out.string(), "is no name of G-code",
+         "give the output another name, which ends in .gcode, .nc, .ngc, .cnc or .tap");
   if (std::filesystem::is_directory(options.board)) options.board /= "board.json";
   if (const std::optional<ProjectSettings> project = settings_around(options.board))
     take_from_project(command, *project, {.machine = &options.machine});

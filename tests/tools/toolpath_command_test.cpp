@@ -158,7 +158,8 @@ TEST(ToolpathCommand, WhatIsReadIsNotReplaced) {
     EXPECT_EQ(file_text(folder / "board.json"), board);
   };
   ASSERT_EQ(run({"--out", "whole.gcode"}).exit_code, 0);
-  other({"probe", "write", "board.json", "--out", "board.json"});
+  for (const char* out : {"board.json", "scratches.csv"})  // an input; a file of another kind
+    other({"probe", "write", "board.json", "--out", out});
   for (const char* out : {"scratches.csv", "board.json", "whole.gcode", "hard.csv"})
     other({"check", "carve", "scratches.csv", "--board", "board.json", "--gcode", "whole.gcode", "--out", out});
   EXPECT_EQ(file_text(folder / "scratches.csv"), scratches);
