@@ -5,7 +5,9 @@
 #include <cstdint>
 #include <map>
 #include <opencv2/imgproc.hpp>
+#include <set>
 #include <string>
+#include <system_error>
 #include <tuple>
 
 #include "burin/base/error.h"
@@ -252,18 +254,30 @@ void pass_over_copies(std::vector<IncomingPhoto>& photos, std::vector<Finding>& 
 std::vector<bool> twins_of(const std::vector<ExifPhoto>& photos, const std::vector<std::optional<PhotoLook>>& looks,
                            std::vector<Finding>& findings) {
   // Chooses the kept file of a shot: a frequent kind, raw before more bits before HEIC, from which phones make JPEGs.
-  // Then the usual size decides, then the shortest name.
+  // Then the usual size decides, then a name that extends no other's; what was saved anew by a chat has fewer bytes.
   std::map<std::pair<int, int>, int> sizes;
   std::map<std::string, int> kinds;
+  std::set<std::string> stems;
   int most = 0;
   for (const auto& [photo, exif] : photos) {
     ++sizes[std::minmax(exif.width, exif.height)];
     most = std::max(most, ++kinds[exif.kind]);
+    stems.insert(photo.file.stem().string());
+  }
+  std::vector<std::pair<bool, std::intmax_t>> copies;  // extends another's name; bytes, negative
+  for (const auto& [photo, exif] : photos) {
+    const std::string stem = photo.file.stem().string();
+    bool extends = false;
+    for (std::size_t end = 1; end < stem.size() && !extends; ++end)
+      extends = extends_stem(stem, stem.substr(0, end)) && stems.contains(stem.substr(0, end));
+    std::error_code error;
+    const std::uintmax_t bytes = fs::file_size(photo.file, error);
+    copies.emplace_back(extends, error ? 0 : -static_cast<std::intmax_t>(bytes));
   }
   const auto rank = [&](std::size_t i) {
     const auto& [photo, exif] = photos[i];
     return std::tuple(2 * kinds[exif.kind] < most, exif.kind != "raw", -exif.bits, exif.kind != "heif",
-                      -sizes[std::minmax(exif.width, exif.height)], photo.file.stem().string().size(), i);
+                      -sizes[std::minmax(exif.width, exif.height)], copies[i], i);
   };
   std::vector<std::size_t> by_rank(photos.size());
   for (std::size_t i = 0; i < by_rank.size(); ++i) by_rank[i] = i;

@@ -536,11 +536,19 @@ TEST_F(FolderSessionTest, APhotoSavedAnewIsNoSecondMeasurement) {
       for (float& v : pixels) v = std::round(v * 1000) / 1000;
     });
   }
+  // What a chat sends has a name of its own, shorter than the camera's, and less detail.
+  fs::copy_file(folder / "photos/IMG_120.png", folder / "photos/WA1.png");
+  change("IMG_120.png", [](auto&, OIIO::ImageSpec& spec) { spec.attribute("Compression", "zip"); });
+  change("WA1.png", [](auto& pixels, OIIO::ImageSpec& spec) {
+    spec.attribute("Compression", "zip");
+    for (float& v : pixels) v = std::round(v * 200) / 200;
+  });
   const CaptureResult result = capture();
   EXPECT_EQ(result.session.photos.size(), 12U);
   EXPECT_THAT(text_of(result.findings, Severity::note),
               AllOf(HasSubstr("IMG_100~2.tif: was passed over for IMG_100.png"),
-                    HasSubstr("IMG_131~2.tif: was passed over for IMG_131.png")));
+                    HasSubstr("IMG_131~2.tif: was passed over for IMG_131.png"),
+                    HasSubstr("WA1.tif: was passed over for IMG_120.tif")));
 }
 
 // A burst and a bracket share a second: none of these photos is another's copy. Repeats from a tripod have noise of
