@@ -2,9 +2,11 @@
 
 #include <tbb/parallel_for.h>
 
+#include <limits>
 #include <numbers>
 #include <numeric>
 
+#include "burin/base/machine_clones.h"
 #include "burin/optimize/toolpath/ends.h"
 #include "burin/scene/groove_profile.h"
 
@@ -13,6 +15,26 @@ namespace {
 
 double depth_of(const Scratches& s, std::size_t i, double shared_um) {
   return s.depth_um.empty() ? shared_um : s.depth_um[i];
+}
+
+// Where a line begins and ends, and the farthest reach of grooves over it.
+struct SoughtLine {
+  double x0_mm, y0_mm, x1_mm, y1_mm, reach_mm;
+};
+
+// Lower bounds of the distances between a line and the strips of grooves, mm: a positive one rules a cut out.
+BURIN_MACHINE_CLONES void distances_mm(std::size_t n, const double* __restrict x, const double* __restrict y,
+                                       const double* __restrict ux, const double* __restrict uy,
+                                       const double* __restrict length, const SoughtLine line,
+                                       double* __restrict apart) {
+  for (std::size_t k = 0; k < n; ++k) {
+    const double dx0 = line.x0_mm - x[k], dy0 = line.y0_mm - y[k], dx1 = line.x1_mm - x[k], dy1 = line.y1_mm - y[k];
+    const double across0 = dx0 * uy[k] - dy0 * ux[k], across1 = dx1 * uy[k] - dy1 * ux[k];
+    const double along0 = dx0 * ux[k] + dy0 * uy[k], along1 = dx1 * ux[k] + dy1 * uy[k];
+    const double aside = std::max(std::min(across0, across1), -std::max(across0, across1)) - line.reach_mm;
+    const double beyond = std::max(std::min(along0, along1) - length[k], -std::max(along0, along1));
+    apart[k] = std::max(aside, beyond);
+  }
 }
 
 }  // namespace
@@ -93,6 +115,7 @@ GlintCuts::GlintCuts(const Scratches& grooves, const Bench& bench, const Board& 
     line.length = e.length();
     line.u = (e.b - e.a) / line.length;
     line.depth_um = depth_of(grooves, i, bench.material.depth_um);
+    deepest_um_ = std::max(deepest_um_, line.depth_um);
     lines_.push_back(line);
     low = low.cwiseMin(e.a).cwiseMin(e.b);
     high = high.cwiseMax(e.a).cwiseMax(e.b);
@@ -109,26 +132,51 @@ GlintCuts::GlintCuts(const Scratches& grooves, const Bench& bench, const Board& 
   for (std::size_t i = 0; i < lines_.size(); ++i)
     cells_.each(lines_[i].a, lines_[i].way(), margin,
                 [&](std::size_t cell) { listed_[next[cell]++] = static_cast<std::uint32_t>(i); });
+  for (std::vector<double>* column : {&x_mm_, &y_mm_, &ux_, &uy_, &length_mm_}) column->reserve(listed_.size());
+  for (const std::uint32_t i : listed_) {
+    x_mm_.push_back(lines_[i].a.x());
+    y_mm_.push_back(lines_[i].a.y());
+    ux_.push_back(lines_[i].u.x());
+    uy_.push_back(lines_[i].u.y());
+    length_mm_.push_back(lines_[i].length);
+  }
 }
 
-void GlintCuts::add_left(std::size_t row, const GlintView& glint, std::vector<std::uint32_t>& near,
-                         std::vector<GlintCut>& cuts, Carved& out) const {
+// Memory of one thread's search, and the cuts that it found.
+struct GlintCuts::Seeker {
+  std::vector<std::uint32_t> seen_by;  // of each groove: the last row that met it
+  std::vector<double> apart_mm;
+  std::vector<GlintCut> cuts;
+};
+
+// The cuts of a row's line, in any order. Most grooves near a line do not meet it, so they are sorted out first.
+void GlintCuts::find_cuts(const GlintLine& line, std::size_t row, Seeker& seeker) const {
+  constexpr double kRoundingMm = 1e-9;
+  const Eigen::Vector2d first = line.at(0), last = line.at(line.length);
+  const double reach_mm = line.bright.reach_mm + line.bright.reach_by_depth * (deepest_um_ - line.depth_um);
+  seeker.cuts.clear();
+  cells_.each(line.a, line.way(), 0, [&](std::size_t cell) {
+    const std::size_t from = first_[cell], n = first_[cell + 1] - from;
+    if (seeker.apart_mm.size() < n) seeker.apart_mm.resize(2 * n);
+    distances_mm(n, &x_mm_[from], &y_mm_[from], &ux_[from], &uy_[from], &length_mm_[from],
+                 {first.x(), first.y(), last.x(), last.y(), reach_mm}, seeker.apart_mm.data());
+    for (std::size_t k = 0; k < n; ++k) {
+      if (seeker.apart_mm[k] > kRoundingMm) continue;
+      const std::uint32_t j = listed_[from + k];
+      if (j == row || seeker.seen_by[j] == row) continue;
+      seeker.seen_by[j] = static_cast<std::uint32_t>(row);
+      const GlintCut cut = cut_of(line, lines_[j], j);
+      if (cut.from < cut.to) seeker.cuts.push_back(cut);
+    }
+  });
+}
+
+void GlintCuts::add_left(std::size_t row, const GlintView& glint, Seeker& seeker, Carved& out) const {
   constexpr double kShortestMm = 1e-4;
   const Ends e = ends_of(grooves_, row);
   const GlintLine line = glint_line(e.a, e.b, lines_[row].depth_um, glint, places_);
-  near.clear();
-  cells_.each(line.a, line.way(), 0, [&](std::size_t cell) {
-    near.insert(near.end(), listed_.begin() + static_cast<std::ptrdiff_t>(first_[cell]),
-                listed_.begin() + static_cast<std::ptrdiff_t>(first_[cell + 1]));
-  });
-  cuts.clear();
-  for (const std::uint32_t j : near) {
-    if (j == row) continue;
-    const GlintCut cut = cut_of(line, lines_[j], j);
-    if (cut.from < cut.to) cuts.push_back(cut);
-  }
-  // A groove near in several cells occurs several times; its cuts overlap exactly.
-  std::sort(cuts.begin(), cuts.end(), [](const GlintCut& a, const GlintCut& b) {
+  find_cuts(line, row, seeker);
+  std::sort(seeker.cuts.begin(), seeker.cuts.end(), [](const GlintCut& a, const GlintCut& b) {
     return a.from != b.from ? a.from < b.from : a.cutter < b.cutter;
   });
   const auto end_at = [&](const GlintCut& cut, bool begins) {
@@ -154,7 +202,7 @@ void GlintCuts::add_left(std::size_t row, const GlintView& glint, std::vector<st
     out.begin.push_back(begin);
     out.end.push_back(end);
   };
-  for (const GlintCut& cut : cuts) {
+  for (const GlintCut& cut : seeker.cuts) {
     if (cut.to <= from) continue;
     if (cut.from > from) add_piece(cut.from, end_at(cut, true));
     from = cut.to;
@@ -167,21 +215,26 @@ Carved GlintCuts::left_of(std::span<const std::size_t> rows, std::span<const Gli
   constexpr std::size_t kAtOnce = 256;
   std::vector<Carved> parts((rows.size() + kAtOnce - 1) / kAtOnce);
   tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t part) {
-    std::vector<std::uint32_t> near;
-    std::vector<GlintCut> cuts;
+    Seeker seeker{std::vector<std::uint32_t>(lines_.size(), std::numeric_limits<std::uint32_t>::max()), {}, {}};
     for (std::size_t k = part * kAtOnce; k < std::min(rows.size(), (part + 1) * kAtOnce); ++k)
-      add_left(rows[k], *glints[k], near, cuts, parts[part]);
+      add_left(rows[k], *glints[k], seeker, parts[part]);
   });
+  std::vector<std::size_t> first(parts.size() + 1, 0);
+  for (std::size_t part = 0; part < parts.size(); ++part) first[part + 1] = first[part] + parts[part].source.size();
   Carved out;
-  const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
-  for (const Carved& part : parts) {
-    for (const auto column : {&Scratches::x0_mm, &Scratches::y0_mm, &Scratches::x1_mm, &Scratches::y1_mm,
-                              &Scratches::width_um, &Scratches::depth_um, &Scratches::alpha})
-      append(out.scratches.*column, part.scratches.*column);
-    append(out.source, part.source);
-    append(out.begin, part.begin);
-    append(out.end, part.end);
-  }
+  const auto columns = [](Carved& of, const auto& visit) {
+    Scratches& s = of.scratches;
+    visit(s.x0_mm, s.y0_mm, s.x1_mm, s.y1_mm, s.width_um, s.depth_um, s.alpha, of.source, of.begin, of.end);
+  };
+  columns(out, [&](auto&... column) { (column.resize(first.back()), ...); });
+  tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t part) {
+    const auto at = static_cast<std::ptrdiff_t>(first[part]);
+    columns(out, [&](auto&... to) {
+      columns(parts[part], [&](auto&... from) { (std::copy(from.begin(), from.end(), to.begin() + at), ...); });
+    });
+  });
+  for (const auto column : {&Scratches::width_um, &Scratches::depth_um, &Scratches::alpha})
+    if ((grooves_.*column).empty()) (out.scratches.*column).clear();
   return out;
 }
 

@@ -89,15 +89,18 @@ class GlintCuts {
   Carved left_of(std::span<const std::size_t> rows, std::span<const GlintView* const> glints) const;
 
  private:
-  void add_left(std::size_t row, const GlintView& glint, std::vector<std::uint32_t>& near, std::vector<GlintCut>& cuts,
-                Carved& out) const;
+  struct Seeker;
+  void find_cuts(const GlintLine& line, std::size_t row, Seeker& seeker) const;
+  void add_left(std::size_t row, const GlintView& glint, Seeker& seeker, Carved& out) const;
 
   Scratches grooves_;
   BrightPlaces places_;
   std::vector<GlintLine> lines_;
+  double deepest_um_ = 0;
   CellsOfLines cells_;
   std::vector<std::size_t> first_;  // index in listed_ of each cell's lines
   std::vector<std::uint32_t> listed_;
+  std::vector<double> x_mm_, y_mm_, ux_, uy_, length_mm_;  // of the listed lines: a cell's are consecutive, for SIMD
 };
 
 /// The carved grooves of a design.
