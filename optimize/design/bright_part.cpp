@@ -89,6 +89,19 @@ void render_view(WorkView& view, BrightPart& part, const Bench& bench, const Lyi
   for (std::size_t i = 0; i < part.others.data.size(); ++i) view.radiance.data[i] += part.others.data[i];
 }
 
+Image uncut_radiance(WorkView& view, const BrightPart& part, const Bench& bench, const Carved& whole) {
+  Image out;
+  if (!part.apart) {
+    view.renderer.forward(whole, out);
+    return out;
+  }
+  Carved bright;
+  bright.scratches = selected(whole.scratches, bright_rows(view, bench, whole.scratches));
+  view.renderer.forward(bright, out);
+  for (std::size_t i = 0; i < part.others.data.size(); ++i) out.data[i] += part.others.data[i];
+  return out;
+}
+
 void view_backward(const WorkView& view, BrightPart& part, const Metal& metal, const LyingGrooves& grooves,
                    const Image& dE_dradiance, ScratchGradients& by_whole) {
   if (!part.apart && !grooves.cuts) {

@@ -47,6 +47,9 @@ std::vector<std::size_t> bright_rows(const WorkView& view, const Bench& bench, c
 /// if they were not yet. With derivatives, view_backward() may follow.
 void render_view(WorkView& view, BrightPart& part, const Bench& bench, const LyingGrooves& grooves, bool with_jacobian);
 
+/// A view's radiance with the whole grooves, none of them cut: the bright ones, plus the held light of the others.
+Image uncut_radiance(WorkView& view, const BrightPart& part, const Bench& bench, const Carved& whole);
+
 /// Backward pass: adds the gradient of a loss by the view's radiance to the gradient of the whole grooves. Faint
 /// grooves get none. `metal`: their bench without fields, and their board.
 void view_backward(const WorkView& view, BrightPart& part, const Metal& metal, const LyingGrooves& grooves,

@@ -29,7 +29,7 @@ void add(Image& sum, const Image& image) {
 
 }  // namespace
 
-void see_crossings(std::vector<WorkView>& views, const std::vector<double>& log_exposure, const Carved& whole,
+void see_crossings(std::vector<WorkView>& views, const std::vector<double>& log_exposure, std::vector<Image> uncut,
                    double cover) {
   // Blur of a pixel or two: neighboring strokes meet similar crossings.
   constexpr double kBlurPx = 1;
@@ -41,9 +41,7 @@ void see_crossings(std::vector<WorkView>& views, const std::vector<double>& log_
       return blurred(light_of_grooves(v, std::move(radiance), exposure_of(v, log_exposure)), kBlurPx);
     };
     left[k].first = seen(v.radiance);
-    Image uncut;
-    v.renderer.forward(whole, uncut);
-    left[k].second = seen(std::move(uncut));
+    left[k].second = seen(std::move(uncut[k]));
     add(all_left, left[k].first);
     add(all, left[k].second);
   }

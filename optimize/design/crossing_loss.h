@@ -9,13 +9,12 @@
 
 #include "burin/base/image.h"
 #include "burin/optimize/design/design_views.h"
-#include "burin/scene/carve.h"
 
 namespace burin {
 
 /// Estimates the light after crossings, as CrossingLoss of each view. `views` must be rendered with the grooves as they
-/// will be cut. `whole` are the same grooves uncut; the function renders them. `cover` becomes CrossingLoss::cover.
-void see_crossings(std::vector<WorkView>& views, const std::vector<double>& log_exposure, const Carved& whole,
+/// will be cut; `uncut` are the radiances of the same grooves without cuts. `cover` becomes CrossingLoss::cover.
+void see_crossings(std::vector<WorkView>& views, const std::vector<double>& log_exposure, std::vector<Image> uncut,
                    double cover);
 
 /// Resets the losses, for renderings of cut grooves.

@@ -55,6 +55,7 @@ void DesignRun::iterate() {
   // After a random start, scratches learn their direction from faint light.
   if (!starts_at_random())
     for (std::size_t k = 0; k < views_.size(); ++k) bright_[k].apart = bright_part_shows(views_[k], bench_, board_);
+  cut_ = bright_;
   if (options_.carve_hours > 0)
     full_carving_s_ = carving_time_s(new_ones(), bench_.material.depth_um, options_.carve_machine);
   // A searched start only needs corrections; a random start needs long moves.
@@ -90,7 +91,7 @@ void DesignRun::iterate() {
   take_back_best();
   if (!weak_dropped_ && !result_.stopped_early) {
     drop_weak();
-    look_as_carved(in_the_metal());
+    look_as_carved(in_the_metal(), Faint::anew);
     take_back_best();
   }
   cut_look_.reset();
@@ -168,7 +169,7 @@ void DesignRun::look(bool last, bool rendered) {
       std::fill(g->begin() + static_cast<std::ptrdiff_t>(movable_), g->end(), 0.0);  // existing grooves stay
   }
   if (all_seen && rims_count_) look_s_ = deadline_.seconds() - began_s;
-  if (rims_count_) judge(last ? Exposed::best : Exposed::as_optimized);
+  if (rims_count_) judge(last ? Exposed::best : Exposed::as_optimized, last);
   now.as_carved = rims_count_;
   if (cut_look_) now = *std::exchange(cut_look_, std::nullopt);
   now.seconds = deadline_.seconds() - iterations_began_s_;
@@ -179,8 +180,11 @@ void DesignRun::look(bool last, bool rendered) {
 }
 
 // Evaluates the grooves as they will be carved, separately from the iterations' own pictures.
-void DesignRun::look_as_carved(const LyingGrooves& grooves) {
-  render_all(views_, grooves);
+void DesignRun::look_as_carved(const LyingGrooves& grooves, Faint faint) {
+  if (faint == Faint::anew)
+    render_all(views_, grooves);
+  else
+    for (std::size_t k = 0; k < views_.size(); ++k) render_view(views_[k], cut_[k], bench_, grooves, false);
   const std::vector<double> as_worked_on = std::exchange(log_exposure_, fitting_exposures(views_, log_exposure_));
   cut_look_ = DesignIteration{0, std::vector<double>(shown_, 0.0), 0, true};
   for (WorkView& v : views_) {
@@ -189,7 +193,7 @@ void DesignRun::look_as_carved(const LyingGrooves& grooves) {
     cut_look_->loss += v.value.total;
     cut_look_->view_loss[v.of] += v.value.total;
   }
-  judge(Exposed::best);
+  judge(Exposed::best, faint == Faint::anew);
   record_start();
   log_exposure_ = as_worked_on;
 }
@@ -208,7 +212,7 @@ bool DesignRun::psnr_is_minimized() const {
 
 // Judges the last evaluation as carved. Views count by their weights. The logarithm prevents the sacrifice of one view
 // for another.
-void DesignRun::judge(Exposed exposed) {
+void DesignRun::judge(Exposed exposed, bool exactly) {
   const bool by_psnr = psnr_is_minimized();
   std::vector<double> loss(shown_, 0.0);
   for (const WorkView& v : views_) loss[v.of] += v.value.total;
@@ -222,7 +226,7 @@ void DesignRun::judge(Exposed exposed) {
   }
   looked_db_ = mean_db;
   merit_ = weights > 0 ? sum / weights : 0;
-  if (!best_ || merit_ > best_->merit) best_ = as_looked_at(exposed == Exposed::best);
+  if (!best_ || merit_ > best_->merit) best_ = as_looked_at(exactly);
 }
 
 DesignRun::Iterate DesignRun::as_looked_at(bool exactly) const {
@@ -246,7 +250,7 @@ void DesignRun::take_back_best() {
     go_back_to(*best_);
     if (!best_->exactly) {
       best_ = last;
-      look_as_carved(in_the_metal());
+      look_as_carved(in_the_metal(), Faint::anew);
       if (!(merit_ > last.merit)) go_back_to(last);
     }
   }
@@ -347,15 +351,24 @@ bool DesignRun::count_rims() {
   return true;
 }
 
+std::vector<Image> DesignRun::uncut_radiances(const std::vector<BrightPart>& parts, const Carved& whole) {
+  std::vector<Image> out;
+  for (std::size_t k = 0; k < views_.size(); ++k) out.push_back(uncut_radiance(views_[k], parts[k], bench_, whole));
+  return out;
+}
+
 // Before cuts count, their effect is rendered now and then.
 void DesignRun::look_at_crossings() {
-  constexpr int kEvery = 5;
+  constexpr int kEvery = 5, kFaintEvery = 20;
   if (rims_count_ || iteration_ % kEvery != 0) return;
+  const bool anew = iteration_ % kFaintEvery == 0;
+  if (anew)
+    for (BrightPart& part : cut_) part.others = {};
   const LyingGrooves whole = in_the_metal();
   const double began_s = deadline_.seconds();
-  look_as_carved(in_the_metal(true));
-  look_s_ = deadline_.seconds() - began_s;
-  see_crossings(views_, log_exposure_, whole.whole, cover_of_pixel());
+  look_as_carved(in_the_metal(true), Faint::held);
+  if (anew) look_s_ = deadline_.seconds() - began_s;
+  see_crossings(views_, log_exposure_, uncut_radiances(cut_, whole.whole), cover_of_pixel());
   if (iteration_ > 0) return;
   render_all(views_, whole);
   for (WorkView& v : views_) leave_what_crossings_do(v, v.radiance);
@@ -385,7 +398,7 @@ void DesignRun::relocate_cut_some() {
     return;
   const LyingGrooves grooves = in_the_metal();
   for (std::size_t k = 0; k < views_.size(); ++k) render_view(views_[k], bright_[k], bench_, grooves, false);
-  see_crossings(views_, log_exposure_, grooves.whole, cover_of_pixel());
+  see_crossings(views_, log_exposure_, uncut_radiances(bright_, grooves.whole), cover_of_pixel());
   balance_views(views_, log_exposure_, options_.balance);
   const std::vector<std::size_t> moved =
       relocate_cut(scratches_, views_, log_exposure_, limits_, rules_, metal_, movable_,

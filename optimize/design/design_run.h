@@ -86,11 +86,13 @@ class DesignRun {
   void count_time();
   bool is_time_to_drop() const;
   void look(bool last, bool rendered);
-  void look_as_carved(const LyingGrooves& grooves);
+  enum class Faint { anew, held };
+  void look_as_carved(const LyingGrooves& grooves, Faint faint);
+  std::vector<Image> uncut_radiances(const std::vector<BrightPart>& parts, const Carved& whole);
   enum class Exposed { as_optimized, best };
   double psnr_db(std::span<const WorkView> channels, Exposed exposed) const;
   bool psnr_is_minimized() const;
-  void judge(Exposed exposed);
+  void judge(Exposed exposed, bool exactly);
   void take_back_best();
   void forget_others();
   void record(bool last);
@@ -198,6 +200,7 @@ class DesignRun {
   ScratchGradients gradients_, by_carved_;  // by the designed rows, and by the grooves in the metal
   std::vector<double> d_log_exposure_;
   std::vector<BrightPart> bright_;  // one per view
+  std::vector<BrightPart> cut_;     // the same, of looks as carved while grooves are searched whole
   std::vector<int> contact_;        // iterations kept for the contact sheet
   int pixels_ = 0;                  // along the carve area's longer side
   int iteration_ = 0, drop_at_ = 0;

@@ -31,6 +31,11 @@ class CrossingLossTest : public ColorRig {
       length_mm += std::hypot(s.x1_mm[i] - s.x0_mm[i], s.y1_mm[i] - s.y0_mm[i]);
     return area_mm2(whole(s).scratches, bench_, board_) / length_mm / v.pitch_mm;
   }
+  static std::vector<Image> radiances(std::vector<WorkView>& views, const Carved& grooves) {
+    std::vector<Image> out(views.size());
+    for (std::size_t k = 0; k < views.size(); ++k) views[k].renderer.forward(grooves, out[k]);
+    return out;
+  }
   // What is left of the first rows.
   static Carved of_the_first(const Carved& grooves, std::size_t rows) {
     std::vector<std::size_t> kept;
@@ -55,7 +60,7 @@ TEST_F(CrossingLossTest, HeldSharesStandForCutGrooves) {
   const Scratches scratches = any_scratches(2500, 7);
   const std::vector<double> log_exposure = log_exposure_for(work, cut(scratches));
   render_all(work, cut(scratches));
-  see_crossings(work, log_exposure, whole(scratches), cover(scratches, work[0]));
+  see_crossings(work, log_exposure, radiances(work, whole(scratches)), cover(scratches, work[0]));
   for (WorkView& v : work) {
     Image exact, held;
     v.renderer.forward(cut(scratches), exact);
@@ -87,7 +92,7 @@ TEST_F(CrossingLossTest, CostIsWhatAStrokeTakesFromThoseItCrosses) {
     const Scratches lying = any_scratches(1500, 7);
     const std::vector<double> log_exposure = log_exposure_for(work, cut(lying));
     render_all(work, cut(lying));
-    see_crossings(work, log_exposure, whole(lying), cover(lying, work[0]));
+    see_crossings(work, log_exposure, radiances(work, whole(lying)), cover(lying, work[0]));
     const Scratches added = any_scratches(60, 11);
     // Of those that lay there, whatever crosses them.
     const auto error = [&](const Scratches& s) {
