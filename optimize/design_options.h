@@ -10,6 +10,7 @@
 #include "burin/base/image.h"
 #include "burin/optimize/loss/loss.h"
 #include "burin/optimize/machine_profile.h"
+#include "burin/scene/crossings.h"
 #include "burin/scene/scratches.h"
 
 namespace burin {
@@ -34,8 +35,8 @@ struct DesignFrame {
 };
 
 struct DesignOptions {
-  /// Pixels of the grid along the carve area's longer side. 0: 512 for a random start, else as many as strokes can fill
-  /// (burin/optimize/design/picture_pixels.h).
+  /// Pixels of the grid along the carve area's longer side. 0: 512 for a random start, else those that eyes at the
+  /// viewpoints resolve, or as many as strokes can fill (burin/optimize/design/picture_pixels.h).
   int pixels = 0;
   int iterations = 160;
   std::uint64_t seed = 1;

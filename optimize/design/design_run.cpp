@@ -118,6 +118,12 @@ void DesignRun::read_targets() {
   look_at_the_carved();
 }
 
+// The pixels that eyes at the viewpoints resolve, by which designs are compared. A random start is the paper's.
+int DesignRun::asked_pixels() const {
+  if (options_.pixels > 0) return options_.pixels;
+  return starts_at_random() ? kUsualPixels : pixels_of_eyes(limits_.max_mm - limits_.min_mm, eye_distance_mm());
+}
+
 // Prepares the views on `pixels_` pixels.
 void DesignRun::lay_targets(std::vector<Finding>& found) {
   views_ = prepare_views(spec_, board_, bench_, options_, pixels_, limits_, found);

@@ -132,7 +132,7 @@ class DesignRun {
   }
   std::vector<std::span<WorkView>> shown_views() { return shown_channels(views_); }
   bool starts_at_random() const { return !options_.from && options_.start == Start::random; }
-  int asked_pixels() const { return options_.pixels > 0 ? options_.pixels : kUsualPixels; }
+  int asked_pixels() const;
   std::size_t new_at_first() const {
     return options_.from ? from_.size() : static_cast<std::size_t>(spec_.scratches) - carved_.size();
   }
