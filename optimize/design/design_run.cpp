@@ -379,8 +379,10 @@ void DesignRun::measure() {
         carving_curve(views_, log_exposure_, rules_, scratches_, movable_, metal_, options_.carve_machine, wished);
   }
   measure_for_eyes();
+  const bool more_fit = result_.started_with == new_at_first();
   for (std::size_t k = 0; k < view_limits_.size(); ++k)
-    result_.findings.push_back(limits_in_words(result_.views[k].view, result_.views[k].eye_psnr_db, view_limits_[k]));
+    result_.findings.push_back(
+        limits_in_words(result_.views[k].view, result_.views[k].eye_psnr_db, view_limits_[k], more_fit));
   if (options_.optimize_width) result_.width_um = std::exp(log_shared_[0]);
   if (options_.optimize_depth) result_.depth_um = std::exp(log_shared_[1]);
   if (options_.optimize_alpha) result_.alpha = std::exp(log_shared_[2]);

@@ -97,7 +97,7 @@ double pixels_limit_db(std::span<const WorkView> channels, const std::vector<dou
   return std::max(0.0, psnr_of(channels, log_exposure, without_detail) - psnr_of(channels, log_exposure, target));
 }
 
-Finding limits_in_words(const std::string& view, double psnr_db, const ViewLimits& limits) {
+Finding limits_in_words(const std::string& view, double psnr_db, const ViewLimits& limits, bool more_fit) {
   constexpr double kFelt = 0.15;  // dB
   struct Limit {
     double db;
@@ -118,7 +118,9 @@ Finding limits_in_words(const std::string& view, double psnr_db, const ViewLimit
   return {Finding::Severity::note, "design",
           "view " + view + " reaches " + fixed(psnr_db, 1) + " dB; " +
               (any ? "without one of these it would gain: " + cost : "the number of its scratches alone limits it"),
-          any ? std::string(all[0].lift) + " would lift it most" : "more scratches would lift it"};
+          any        ? std::string(all[0].lift) + " would lift it most"
+          : more_fit ? "more scratches would lift it"
+                     : "a larger board or a sharper tool has room for more"};
 }
 
 }  // namespace burin

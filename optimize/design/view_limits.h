@@ -31,7 +31,7 @@ ViewLimits limits_of(std::span<WorkView> channels, const std::vector<double>& lo
 double pixels_limit_db(std::span<const WorkView> channels, const std::vector<double>& log_exposure,
                        const Image& coarse);
 
-/// The largest limit of a view, and a remedy.
-Finding limits_in_words(const std::string& view, double psnr_db, const ViewLimits& limits);
+/// The largest limit of a view, and a remedy. `more_fit`: the design did not reduce the number of scratches.
+Finding limits_in_words(const std::string& view, double psnr_db, const ViewLimits& limits, bool more_fit);
 
 }  // namespace burin
