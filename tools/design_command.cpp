@@ -94,6 +94,7 @@ struct DesignArguments {
   std::filesystem::path spec, out, bench, board, from;
   std::vector<std::filesystem::path> carved;
   int scratches = 0;
+  std::optional<int> iterations;
   std::string start = "guided", exposure = "view", time, carve_time, machine;
   DesignOptions design;
   bool live = false;
@@ -176,6 +177,7 @@ void run(const DesignArguments& o) {
   for (const Finding& finding : bench.findings) tell(finding);
   for (const Finding& finding : height_findings(board, spec.board)) tell(finding);
   DesignOptions options = o.design;
+  options.iterations = o.iterations.value_or(usual_iterations(bench.crossings));
   options.start = o.start == "guided" ? Start::guided : Start::random;
   options.exposure_of = o.exposure == "view" ? ExposureOf::view : ExposureOf::light;
   if (!o.time.empty()) options.time_limit_s = duration_from_text(o.time, 1);
@@ -273,8 +275,8 @@ void add_options(CLI::App& command, DesignArguments& o) {
   const std::size_t first = command.get_options().size();
   command.add_option("--scratches", o.scratches, "Start with this number of scratches [default: DESIGN.json's]")
       ->check(CLI::Range(1, 2000000));
-  command.add_option("--iterations", o.design.iterations, "Run this number of optimizer iterations, 0 to 1000000")
-      ->capture_default_str();
+  command.add_option("--iterations", o.iterations,
+                     "Run 0 to 1000000 optimizer iterations [default: 160, 100 if grooves cut each other]");
   command
       .add_option("--time", o.time,
                   "Limit the whole design to about this time: 30s, 5min, 1h30min, or a number of seconds")
