@@ -36,7 +36,7 @@ struct DesignFrame {
 
 /// Usual number of iterations. Grooves that cut each other take five times as long each, and gain less from the last
 /// iterations (docs/results/design.md).
-inline int usual_iterations(Crossings crossings) { return crossings == Crossings::deepest ? 100 : 160; }
+inline int usual_iterations(Crossings crossings) { return crossings == Crossings::deepest ? 70 : 160; }
 
 struct DesignOptions {
   /// Pixels of the grid along the carve area's longer side. 0: 512 for a random start, else those that eyes at the

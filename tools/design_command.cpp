@@ -276,7 +276,7 @@ void add_options(CLI::App& command, DesignArguments& o) {
   command.add_option("--scratches", o.scratches, "Start with this number of scratches [default: DESIGN.json's]")
       ->check(CLI::Range(1, 2000000));
   command.add_option("--iterations", o.iterations,
-                     "Run 0 to 1000000 optimizer iterations [default: 160, 100 if grooves cut each other]");
+                     "Run 0 to 1000000 optimizer iterations [default: 160; 70 if grooves cut]");
   command
       .add_option("--time", o.time,
                   "Limit the whole design to about this time: 30s, 5min, 1h30min, or a number of seconds")
