@@ -18,6 +18,7 @@
 #include "burin/base/files/file_error.h"
 #include "burin/base/files/json_file.h"
 #include "burin/base/files/named_paths.h"
+#include "burin/base/input_error.h"
 #include "tools/local_time.h"
 
 namespace burin {
@@ -86,7 +87,8 @@ Descriptor locked_file(const fs::path& name, const fs::path& folder) {
   if (!lock_soon(file.number())) {
     const int error = errno;
     if (error == EWOULDBLOCK)
-      fail(folder.string(), "is being worked on by " + holder(file.number()), "wait until that has ended, or stop it");
+      fail_as(ErrorCode::locked, folder.string(), "is being worked on by " + holder(file.number()),
+              "wait until that has ended, or stop it");
     ::unlink(name.c_str());
     fail(name.string(), "cannot be locked: " + error_text(error), "keep the project on a disk that knows locks");
   }

@@ -4,6 +4,7 @@
 #include <system_error>
 
 #include "burin/base/error.h"
+#include "burin/base/input_error.h"
 
 namespace burin {
 
@@ -48,7 +49,7 @@ std::string error_remedy(int error) {
 }
 
 void fail_with(const std::filesystem::path& file, const std::string& what, int error) {
-  fail(file.string(), what + ": " + error_text(error), error_remedy(error));
+  fail_as(ErrorCode::not_written, file.string(), what + ": " + error_text(error), error_remedy(error));
 }
 
 void fail_unless_name(const std::filesystem::path& file) {

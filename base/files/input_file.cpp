@@ -1,19 +1,19 @@
-#include "burin/base/files/input_file.h"
 
+
+#include "burin/base/files/input_file.h"
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
-
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <limits>
 #include <utility>
-
 #include "burin/base/error.h"
 #include "burin/base/files/descriptor.h"
 #include "burin/base/files/files_together.h"
 #include "burin/base/files/named_paths.h"
+#include "burin/base/input_error.h"
 
 namespace burin {
 namespace {
@@ -24,26 +24,31 @@ namespace fs = std::filesystem;
   const std::string name = file.string();
   switch (error) {
     case ENOENT:
-      fail(name, "does not exist", "check the path");
+      fail_as(ErrorCode::missing_file, name, "does not exist", "check the path");
     case ENOTDIR:
-      fail(name, "does not exist: a part of its path is a file, not a folder", "check the path");
+      fail_as(ErrorCode::missing_file, name, "does not exist: a part of its path is a file, not a folder",
+              "check the path");
     case EACCES:
     case EPERM:
-      fail(name, "may not be read",
-           "give yourself the right to read it and to enter its folder (chmod u+r, chmod u+rx)");
+      fail_as(ErrorCode::unreadable_file, name, "may not be read",
+              "give yourself the right to read it and to enter its folder (chmod u+r, chmod u+rx)");
     case ELOOP:
-      fail(name, "is a link that leads in a circle", "remove the link, or let it lead to the file");
+      fail_as(ErrorCode::unreadable_file, name, "is a link that leads in a circle",
+              "remove the link, or let it lead to the file");
     case ENAMETOOLONG:
-      fail(fs::path(name.substr(0, 60) + "...").string(), "has a name that is longer than the file system allows",
-           "shorten it to 255 bytes, and its whole path to 4,095");
+      fail_as(ErrorCode::unreadable_file, fs::path(name.substr(0, 60) + "...").string(),
+              "has a name that is longer than the file system allows",
+              "shorten it to 255 bytes, and its whole path to 4,095");
     case EMFILE:
     case ENFILE:
-      fail(name, "cannot be opened: too many files are open", "close other programs, or raise ulimit -n");
+      fail_as(ErrorCode::unreadable_file, name, "cannot be opened: too many files are open",
+              "close other programs, or raise ulimit -n");
     case ENXIO:
     case ENODEV:
-      fail(name, "is a socket or a device", "name a plain file");
+      fail_as(ErrorCode::unreadable_file, name, "is a socket or a device", "name a plain file");
     default:
-      fail(name, std::string("cannot be opened: ") + std::strerror(error), "check the disk and the path");
+      fail_as(ErrorCode::unreadable_file, name, std::string("cannot be opened: ") + std::strerror(error),
+              "check the disk and the path");
   }
 }
 
@@ -88,8 +93,11 @@ std::string read_so_many(const fs::path& file, int number, std::uintmax_t bytes)
     const ssize_t got = ::read(number, text.data() + have, text.size() - have);
     if (got < 0 && errno == EINTR) continue;
     if (got < 0)
-      fail(file.string(), std::string("cannot be read: ") + std::strerror(errno), "check the disk it lies on");
-    if (got == 0) fail(file.string(), "became shorter while it was read", "wait until it is written, and try again");
+      fail_as(ErrorCode::unreadable_file, file.string(), std::string("cannot be read: ") + std::strerror(errno),
+              "check the disk it lies on");
+    if (got == 0)
+      fail_as(ErrorCode::unreadable_file, file.string(), "became shorter while it was read",
+              "wait until it is written, and try again");
     have += static_cast<std::size_t>(got);
   }
   return text;

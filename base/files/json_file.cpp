@@ -15,6 +15,7 @@
 #include "burin/base/files/input_file.h"
 #include "burin/base/files/named_paths.h"
 #include "burin/base/files/printable.h"
+#include "burin/base/input_error.h"
 #include "burin/base/limits.h"
 
 namespace burin {
@@ -105,13 +106,13 @@ struct ContentCheck {
 }  // namespace
 
 JsonObject::JsonObject(const Json& json, std::string where) : json_(&json), where_(std::move(where)) {
-  if (!json.is_object()) fail(where_, described(json), "write an object in braces { } here");
+  if (!json.is_object()) fail_as(ErrorCode::bad_json, where_, described(json), "write an object in braces { } here");
   if (where_.find(": ") == std::string::npos) asked_ = {"format", "version"};  // a whole file: read_json checked them
 }
 
 void JsonObject::fail_field(const std::string& key, const std::string& what, const std::string& remedy) const {
   // "board.json" + "tags" is "board.json: tags"; deeper fields are joined by dots.
-  fail(where_ + (where_.find(": ") == std::string::npos ? ": " : ".") + key, what, remedy);
+  fail_as(ErrorCode::bad_key, where_ + (where_.find(": ") == std::string::npos ? ": " : ".") + key, what, remedy);
 }
 
 bool JsonObject::has(const std::string& key) const {
@@ -284,17 +285,20 @@ Json read_json(const std::filesystem::path& file, const std::string& format, int
   try {
     json = Json::parse(text, std::ref(check));
   } catch (const Json::exception& e) {
-    fail(file.string(), "is not JSON: " + without_prefix(e.what()),
-         "correct it there (JSON has no comments, no trailing commas, no NaN, and text in double quotes)");
+    fail_as(ErrorCode::bad_json, file.string(), "is not JSON: " + without_prefix(e.what()),
+            "correct it there (JSON has no comments, no trailing commas, no NaN, and text in double quotes)");
   }
   if (check.deepest > limit::kNesting)
-    fail(file.string(), "has brackets within brackets, deeper than " + std::to_string(limit::kNesting),
-         "check that it is the right file");
+    fail_as(ErrorCode::bad_json, file.string(),
+            "has brackets within brackets, deeper than " + std::to_string(limit::kNesting),
+            "check that it is the right file");
   if (!check.unprintable.empty())
-    fail(file.string(), "holds a control character, in \"" + check.unprintable.substr(0, 60) + "\"",
-         "write text that can be read: no escapes, no line breaks, no zero bytes");
+    fail_as(ErrorCode::bad_json, file.string(),
+            "holds a control character, in \"" + check.unprintable.substr(0, 60) + "\"",
+            "write text that can be read: no escapes, no line breaks, no zero bytes");
   if (!check.duplicate.empty())
-    fail(file.string() + ": " + check.duplicate, "the key appears twice in one object", "keep one of them");
+    fail_as(ErrorCode::bad_key, file.string() + ": " + check.duplicate, "the key appears twice in one object",
+            "keep one of them");
 
   check_format(JsonObject(json, file.string()), format, version, oldest);
   return json;

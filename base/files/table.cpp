@@ -9,6 +9,7 @@
 
 #include "burin/base/error.h"
 #include "burin/base/files/input_file.h"
+#include "burin/base/input_error.h"
 #include "burin/base/limits.h"
 
 namespace burin {
@@ -55,9 +56,11 @@ TableReader::TableReader(std::filesystem::path file, TableStyle style, std::vect
 // A spreadsheet file itself, or its "Unicode text", with a table's name.
 void TableReader::fail_unless_text() const {
   const auto begins = [&](std::string_view bytes) { return rest_.starts_with(bytes); };
-  if (begins("\xFF\xFE") || begins("\xFE\xFF")) fail(file_.string(), "is text in UTF-16", "save it as \"CSV UTF-8\"");
+  if (begins("\xFF\xFE") || begins("\xFE\xFF"))
+    fail_as(ErrorCode::bad_table, file_.string(), "is text in UTF-16", "save it as \"CSV UTF-8\"");
   if (begins("PK\x03\x04") || begins("\xD0\xCF\x11\xE0"))
-    fail(file_.string(), "is a spreadsheet, not a table of text", "export it as CSV in its program");
+    fail_as(ErrorCode::bad_table, file_.string(), "is a spreadsheet, not a table of text",
+            "export it as CSV in its program");
 }
 
 std::string_view TableReader::next_line() {
@@ -77,7 +80,8 @@ void TableReader::read_csv_header() {
   if (const std::string_view bare = trimmed(header, "\""); bare.starts_with("sep=") && bare.size() == 5) {
     separator_ = bare.back();
     if (separator_ != ',' && separator_ != ';' && separator_ != '\t')
-      fail(where(), std::string("separates by \"") + separator_ + "\"", "separate by commas, semicolons or tabs");
+      fail_as(ErrorCode::bad_table, where(), std::string("separates by \"") + separator_ + "\"",
+              "separate by commas, semicolons or tabs");
     told = true;
     header = {};
     while (!rest_.empty() && header.empty()) header = next_line();
@@ -88,16 +92,18 @@ void TableReader::read_csv_header() {
   if (!told) separator_ = separator_of(header);
   split_csv(header);
   if (values_.size() > limit::kColumns)
-    fail(where(), "names more than " + with_commas(limit::kColumns) + " columns", remedy_);
+    fail_as(ErrorCode::bad_table, where(), "names more than " + with_commas(limit::kColumns) + " columns", remedy_);
   while (!values_.empty() && values_.back().empty()) values_.pop_back();
   for (const std::string_view name : values_) {
     if (name.empty())
-      fail(where(), "column " + std::to_string(columns_.size() + 1) + " has no name", "name it, or remove it");
-    if (find(name)) fail(where(), "column " + std::string(name) + " appears twice", "keep one of them");
+      fail_as(ErrorCode::bad_table, where(), "column " + std::to_string(columns_.size() + 1) + " has no name",
+              "name it, or remove it");
+    if (find(name))
+      fail_as(ErrorCode::bad_table, where(), "column " + std::string(name) + " appears twice", "keep one of them");
     columns_.emplace_back(name);
   }
   for (const std::string& name : required_)
-    if (!find(name)) fail(where(), "column " + name + " is missing", remedy_);
+    if (!find(name)) fail_as(ErrorCode::bad_table, where(), "column " + name + " is missing", remedy_);
 }
 
 std::optional<std::size_t> TableReader::find(std::string_view column) const {
@@ -110,13 +116,14 @@ std::optional<std::size_t> TableReader::find(std::string_view column) const {
 std::string_view TableReader::quoted(std::string_view& line) {
   const std::size_t end = line.find('"', 1);
   if (end == std::string_view::npos)
-    fail(where(), "value " + std::to_string(values_.size() + 1) + " has no closing quote", "add \" behind it");
+    fail_as(ErrorCode::bad_table, where(), "value " + std::to_string(values_.size() + 1) + " has no closing quote",
+            "add \" behind it");
   const std::string_view value = line.substr(1, end - 1);
   line.remove_prefix(end + 1);
   line.remove_prefix(std::min(line.find_first_not_of(separator_ == '\t' ? " \r" : " \t\r"), line.size()));
   if (!line.empty() && line.front() != separator_)
-    fail(where(), "value " + std::to_string(values_.size() + 1) + " goes on behind its quotes",
-         std::string("put \"") + separator_ + "\" behind it");
+    fail_as(ErrorCode::bad_table, where(), "value " + std::to_string(values_.size() + 1) + " goes on behind its quotes",
+            std::string("put \"") + separator_ + "\" behind it");
   return value;
 }
 
@@ -146,8 +153,9 @@ void TableReader::split_words(std::string_view line) {
 
 void TableReader::count_row() {
   if (rows_++ == limit::kScratches)
-    fail(where(), "is one row more than the " + with_commas(limit::kScratches) + " that Burin takes of a table",
-         "split the table, or thin it out (docs/limits.md)");
+    fail_as(ErrorCode::bad_table, where(),
+            "is one row more than the " + with_commas(limit::kScratches) + " that Burin takes of a table",
+            "split the table, or thin it out (docs/limits.md)");
 }
 
 bool TableReader::next() {
@@ -162,12 +170,13 @@ bool TableReader::next() {
       count_row();
       const std::string columns = std::to_string(columns_.size());
       if (values_.size() < columns_.size())
-        fail(where(), "has " + std::to_string(values_.size()) + " values, the first line names " + columns + " columns",
-             "write one for each column of the first line");
+        fail_as(ErrorCode::bad_table, where(),
+                "has " + std::to_string(values_.size()) + " values, the first line names " + columns + " columns",
+                "write one for each column of the first line");
       if (values_.size() > columns_.size())
-        fail(where(), "has more than " + columns + " values",
-             "write one for each column of the first line" +
-                 std::string(separator_ == ',' ? " (with decimal commas, separate values by semicolons)" : ""));
+        fail_as(ErrorCode::bad_table, where(), "has more than " + columns + " values",
+                "write one for each column of the first line" +
+                    std::string(separator_ == ',' ? " (with decimal commas, separate values by semicolons)" : ""));
       return true;
     }
     if (line.starts_with('#')) {
@@ -182,7 +191,7 @@ bool TableReader::next() {
     if (columns_.empty()) {
       std::string names;
       for (const std::string& name : required_) names += (names.empty() ? "" : ", ") + name;
-      fail(where(), "no line above it names the columns " + names, remedy_);
+      fail_as(ErrorCode::bad_table, where(), "no line above it names the columns " + names, remedy_);
     }
     split_words(line);
     return true;
@@ -199,7 +208,8 @@ std::size_t TableReader::rows_left() const {
 }
 
 std::string_view TableReader::text(std::size_t column) const {
-  if (column >= values_.size()) fail(where(), "is cut short: " + columns_[column] + " is missing", "write it again");
+  if (column >= values_.size())
+    fail_as(ErrorCode::bad_table, where(), "is cut short: " + columns_[column] + " is missing", "write it again");
   return values_[column];
 }
 
@@ -245,7 +255,7 @@ double TableReader::positive(std::size_t column) const {
 }
 
 void TableReader::fail_at(std::size_t column, const std::string& what, const std::string& remedy) const {
-  fail(where(), columns_[column] + " " + what, remedy);
+  fail_as(ErrorCode::bad_table, where(), columns_[column] + " " + what, remedy);
 }
 
 }  // namespace burin
