@@ -27,6 +27,8 @@ install(FILES README.md LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
 install(DIRECTORY ${PROJECT_BINARY_DIR}/manual/ DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 OPTIONAL FILES_MATCHING PATTERN "*.1")
 install(FILES ${PROJECT_BINARY_DIR}/manual/burin.bash DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions RENAME burin
         OPTIONAL)
+install(FILES ${PROJECT_BINARY_DIR}/manual/burin.fish DESTINATION ${CMAKE_INSTALL_DATADIR}/fish/vendor_completions.d OPTIONAL)
+install(FILES ${PROJECT_BINARY_DIR}/manual/_burin DESTINATION ${CMAKE_INSTALL_DATADIR}/zsh/site-functions OPTIONAL)
 
 # `cpack --config build/release/CPackConfig.cmake` makes a Debian package, whose dependencies are those of the files in it.
 set(CPACK_GENERATOR DEB)

@@ -1,9 +1,12 @@
 #include "tools/manual.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
+#include <functional>
 #include <string_view>
+#include <vector>
 
 namespace burin {
 namespace {
@@ -132,38 +135,190 @@ std::string manual_page(const CLI::App& burin, const CLI::App* command) {
              roff(burin.get_description()), commands, options_of(burin));
 }
 
-std::string bash_completion(const CLI::App& burin) {
-  const auto long_names = [](const CLI::App& app) {
-    std::string words;
-    for (const CLI::Option* option : app.get_options())
-      for (const std::string& name : option->get_lnames()) words += (words.empty() ? "--" : " --") + name;
-    return words;
-  };
-  std::string commands, cases;
-  for (const CLI::App* command : burin.get_subcommands({})) {
-    commands += (commands.empty() ? "" : " ") + command->get_name();
-    cases += fmt::format("    {}) words=\"{}\" ;;\n", command->get_name(), long_names(*command));
+namespace {
+
+// The values of an option with a fixed set of them. CLI11 keeps the set as a part of its type: "TEXT:{keep,short}".
+std::vector<std::string> values_of(const CLI::Option& option) {
+  const std::string type = option.get_type_name();
+  const std::size_t from = type.find('{'), to = type.find('}', from == std::string::npos ? 0 : from);
+  if (from == std::string::npos || to == std::string::npos) return {};
+  std::vector<std::string> values{""};
+  for (const char c : type.substr(from + 1, to - from - 1))
+    if (c == ',')
+      values.emplace_back();
+    else
+      values.back() += c;
+  return values;
+}
+
+std::vector<const CLI::Option*> long_options(const CLI::App& app) {
+  std::vector<const CLI::Option*> out;
+  for (const CLI::Option* option : app.get_options())
+    if (!option->get_lnames().empty()) out.push_back(option);
+  for (const CLI::App* part : app.get_subcommands({}))  // nameless groups of options
+    if (part->get_name().empty())
+      for (const CLI::Option* option : long_options(*part)) out.push_back(option);
+  return out;
+}
+
+// The commands with their path: "check", "check carve".
+void walk(const CLI::App& app, const std::string& path,
+          const std::function<void(const std::string&, const CLI::App&)>& visit) {
+  for (const CLI::App* command : app.get_subcommands({})) {
+    if (command->get_name().empty()) continue;
+    const std::string name = path.empty() ? command->get_name() : path + " " + command->get_name();
+    visit(name, *command);
+    walk(*command, name, visit);
   }
+}
+
+std::string names_below(const CLI::App& app) {
+  std::string names;
+  for (const CLI::App* command : app.get_subcommands({}))
+    if (!command->get_name().empty()) names += (names.empty() ? "" : " ") + command->get_name();
+  return names;
+}
+
+std::string words_for(const CLI::App& app) {
+  std::string words = names_below(app);
+  for (const CLI::Option* option : long_options(app))
+    for (const std::string& name : option->get_lnames()) words += (words.empty() ? "--" : " --") + name;
+  return words;
+}
+
+std::string quoted_for_shell(std::string text) {
+  for (std::size_t at = 0; (at = text.find('\'', at)) != std::string::npos; at += 4) text.replace(at, 1, "'\\''");
+  return "'" + text + "'";
+}
+
+}  // namespace
+
+std::string bash_completion(const CLI::App& burin) {
+  std::string cases, values;
+  walk(burin, "", [&](const std::string& name, const CLI::App& command) {
+    cases += fmt::format("    \"{}\") words=\"{}\" ;;\n", name, words_for(command));
+    for (const CLI::Option* option : long_options(command))
+      if (const auto of = values_of(*option); !of.empty())
+        values += fmt::format("    \"{} --{}\") COMPREPLY=($(compgen -W \"{}\" -- \"$current\")); return ;;\n", name,
+                              option->get_lnames().front(), fmt::join(of, " "));
+  });
   return fmt::format(
-      "# bash completion for burin {}\n"
+      "# bash completion for burin\n"
       "_burin() {{\n"
-      "  local command= words= word\n"
+      "  local command= words= word last= current=${{COMP_WORDS[COMP_CWORD]}}\n"
       "  for word in \"${{COMP_WORDS[@]:1:COMP_CWORD-1}}\"; do\n"
-      "    case \" {} \" in *\" $word \"*) command=$word; break ;; esac\n"
+      "    last=$word\n"
+      "    case \"$command $word\" in{}) command=\"${{command:+$command }}$word\" ;; esac\n"
       "  done\n"
-      "  case $command in\n"
-      "    \"\") words=\"{} {}\" ;;\n"
+      "  case \"$command $last\" in\n"
       "{}"
       "  esac\n"
-      "  local current=${{COMP_WORDS[COMP_CWORD]}}\n"
-      "  if [[ -z $command || $current == -* ]]; then\n"
+      "  case $command in\n"
+      "    \"\") words=\"{}\" ;;\n"
+      "{}"
+      "  esac\n"
+      "  if [[ $current == -* || -z $command || \" $words\" != \" -\"* ]]; then\n"
       "    COMPREPLY=($(compgen -W \"$words\" -- \"$current\"))\n"
       "  else\n"
       "    COMPREPLY=()\n"
       "  fi\n"
       "}}\n"
       "complete -o default -F _burin burin\n",
-      BURIN_VERSION, commands, commands, long_names(burin), cases);
+      [&] {
+        std::string patterns;
+        walk(burin, "", [&](const std::string& name, const CLI::App&) {
+          const std::size_t space = name.rfind(' ');
+          const std::string way = space == std::string::npos ? " " + name : name;
+          patterns += (patterns.empty() ? " \"" : " | \"") + way + "\"";
+        });
+        return patterns;
+      }(),
+      values, words_for(burin), cases);
+}
+
+std::string fish_completion(const CLI::App& burin) {
+  std::string out = "# fish completion for burin\n";
+  for (const CLI::App* command : burin.get_subcommands({}))
+    out += fmt::format("complete -c burin -n __fish_use_subcommand -a {} -d {}\n", command->get_name(),
+                       quoted_for_shell(command->get_description()));
+  const auto add = [&](const CLI::App& app, const std::string& condition) {
+    for (const CLI::Option* option : long_options(app)) {
+      const auto values = values_of(*option);
+      out += fmt::format("complete -c burin{} -l {}{}{} -d {}\n", condition, option->get_lnames().front(),
+                         option->get_items_expected_max() == 0 ? "" : " -r",
+                         values.empty() ? "" : fmt::format(" -f -a '{}'", fmt::join(values, " ")),
+                         quoted_for_shell(option->get_description()));
+    }
+  };
+  add(burin, "");
+  walk(burin, "", [&](const std::string& name, const CLI::App& command) {
+    std::string condition = " -n '";
+    std::size_t from = 0;
+    for (std::size_t space; (space = name.find(' ', from)) != std::string::npos; from = space + 1)
+      condition += "__fish_seen_subcommand_from " + name.substr(from, space - from) + "; and ";
+    condition += "__fish_seen_subcommand_from " + name.substr(from) + "'";
+    for (const CLI::App* below : command.get_subcommands({}))
+      if (!below->get_name().empty())
+        out += fmt::format("complete -c burin{} -a {} -d {}\n", condition, below->get_name(),
+                           quoted_for_shell(below->get_description()));
+    add(command, condition);
+  });
+  return out;
+}
+
+std::string zsh_completion(const CLI::App& burin) {
+  // Brackets and colons end a description there.
+  const auto plain = [](std::string text) {
+    for (char& c : text)
+      if (c == '[' || c == ']' || c == ':') c = c == '[' ? '(' : c == ']' ? ')' : ',';
+    return text;
+  };
+  const auto arguments = [&](const CLI::App& app) {
+    std::string out;
+    for (const CLI::Option* option : long_options(app)) {
+      std::string spec = fmt::format("--{}[{}]", option->get_lnames().front(), plain(option->get_description()));
+      if (option->get_items_expected_max() != 0) {
+        const auto values = values_of(*option);
+        spec += values.empty() ? ":value:_files" : fmt::format(":value:({})", fmt::join(values, " "));
+      }
+      out += " \\\n      " + quoted_for_shell((option->get_items_expected_max() == 0 ? "" : "*") + spec);
+    }
+    return out;
+  };
+  std::string cases, commands;
+  for (const CLI::App* command : burin.get_subcommands({}))
+    commands += " " + quoted_for_shell(command->get_name() + ":" + plain(command->get_description()));
+  walk(burin, "", [&](const std::string& name, const CLI::App& command) {
+    const std::string below = names_below(command);
+    cases += fmt::format("    {}) _arguments{}{} '*:file:_files' ;;\n", quoted_for_shell(name), arguments(command),
+                         below.empty() ? "" : fmt::format(" \\\n      '1:command:({})'", below));
+  });
+  return fmt::format(
+      "#compdef burin\n"
+      "_burin() {{\n"
+      "  local command= word last=\n"
+      "  local -a commands\n"
+      "  commands=({})\n"
+      "  for word in ${{words[2,CURRENT-1]}}; do\n"
+      "    [[ $word == -* ]] && continue\n"
+      "    case \"$command $word\" in{}) command=\"${{command:+$command }}$word\" ;; esac\n"
+      "  done\n"
+      "  case $command in\n"
+      "    '') _describe command commands; _arguments{} ;;\n"
+      "{}"
+      "  esac\n"
+      "}}\n"
+      "_burin \"$@\"\n",
+      commands,
+      [&] {
+        std::string patterns;
+        walk(burin, "", [&](const std::string& name, const CLI::App&) {
+          const std::size_t space = name.rfind(' ');
+          patterns += (patterns.empty() ? " \"" : "|\"") + (space == std::string::npos ? " " + name : name) + "\"";
+        });
+        return patterns;
+      }(),
+      arguments(burin), cases);
 }
 
 }  // namespace burin

@@ -1,4 +1,4 @@
-// tools/manual.h - the program's manual pages, its reference in the documents and its completion for bash, made from
+// tools/manual.h - the program's manual pages, its reference in the documents and its completion for shells, made from
 // its own options.
 #pragma once
 
@@ -14,7 +14,9 @@ std::string manual_page(const CLI::App& burin, const CLI::App* command);
 /// docs/commands.md: Markdown of all commands, by groups, with their options and examples.
 std::string commands_page(const CLI::App& burin);
 
-/// A bash script that completes commands and options, and files elsewhere.
+/// Scripts for bash, fish and zsh that complete commands, options and their fixed values, and files elsewhere.
 std::string bash_completion(const CLI::App& burin);
+std::string fish_completion(const CLI::App& burin);
+std::string zsh_completion(const CLI::App& burin);
 
 }  // namespace burin

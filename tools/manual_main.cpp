@@ -21,6 +21,8 @@ int main(int argc, char** argv) {
       burin::write_text(burin::manual_page(*app, command), folder / ("burin-" + command->get_name() + ".1"));
     burin::write_text(burin::commands_page(*app), folder / "commands.md");
     burin::write_text(burin::bash_completion(*app), folder / "burin.bash");
+    burin::write_text(burin::fish_completion(*app), folder / "burin.fish");
+    burin::write_text(burin::zsh_completion(*app), folder / "_burin");
   } catch (const std::exception& error) {
     fmt::print(stderr, "burin_manual: {}\n", error.what());
     return 1;
