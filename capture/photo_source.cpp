@@ -154,7 +154,7 @@ PhotoSource folder_source(const fs::path& folder, const PhotoLamps& lamps, std::
          (photos.size() == 1 ? "lies" : "and " + std::to_string(photos.size() - 1) + " more lie") +
              " in no lamp's folder, and photos do not tell which of several lamps was on",
          "put each photo into the folder of the lamp that shone on it alone (" + folders +
-             "); or, for photos that are all under one, say which to burin capture: --light NAME");
+             "); or, for photos that are all under one, say which to burin capture: --lamp NAME");
   }
   const std::vector<LampFolder> known = lamp_folders(folder, lamps.names);
   for (const LampFolder& lamp : known)

@@ -21,6 +21,7 @@
 #include "tools/photographed_lamps.h"
 #include "tools/progress_bar.h"
 #include "tools/project_settings.h"
+#include "tools/steps.h"
 #include "tools/tether/tethered_shoot.h"
 #include "tools/watch/say_shoot.h"
 #include "tools/watch/wanted_shots.h"
@@ -47,7 +48,7 @@ PhotoLamps photo_lamps(const std::string& said, bool is_new, const std::filesyst
   PhotoLamps out{said, lamps_of(bench)};
   if (!said.empty()) {
     if (!is_new && !names_lights_of(said, bench))
-      fail("--light " + said, fmt::format("{} has no lamp of that name", bench_file.string()),
+      fail("--lamp " + said, fmt::format("{} has no lamp of that name", bench_file.string()),
            out.names.empty() ? "add --new-lamp if it is to be measured now"
                              : fmt::format("known are {}; add --new-lamp if it is another, which is to be measured now",
                                            fmt::join(out.names, ", ")));
@@ -58,24 +59,16 @@ PhotoLamps photo_lamps(const std::string& said, bool is_new, const std::filesyst
   else if (out.names.size() == 1)  // besides the sun, or in a room
     out.of_folder = out.names.front();
   else if (out.names.empty())
-    fail(bench_file.string(), "has no lamp whose name the photos could take", "say which with --light NAME");
+    fail(bench_file.string(), "has no lamp whose name the photos could take", "say which with --lamp NAME");
   return out;
 }
-
-struct CaptureArguments {
-  std::filesystem::path photos, board, bench, plan, out;
-  std::string light, port;
-  std::vector<double> stops;
-  double f_number = 0;
-  bool tether = false, once = false, new_lamp = false;
-};
 
 // Takes photos with a tethered camera into the folder of photos, or of their lamp if there are several. Reports each
 // photo at its arrival.
 void take_photos(const CaptureArguments& o, const PhotoLamps& lamps) {
   if (lamps.names.size() > 1 && o.light.empty())
     fail("--tether", fmt::format("{} has several lamps, and photos do not tell which is on", o.bench.string()),
-         fmt::format("switch one on alone and say which: --light {}; then the next one",
+         fmt::format("switch one on alone and say which: --lamp {}; then the next one",
                      shell_word(lamps.names.front())));
   const std::filesystem::path into = lamps.names.size() > 1 ? lamp_folder(o.photos, o.light, lamps.names) : o.photos;
   Shoot shoot;
@@ -92,8 +85,7 @@ void take_photos(const CaptureArguments& o, const PhotoLamps& lamps) {
     std::erase_if(shoot.wanted, [&](const WantedShot& shot) { return shot.light != o.light; });
   }
   shoot_tethered({o.port, o.stops, into, o.once}, shoot, [](const Shoot& so_far, double, double) {
-    print_text("{}", last_photo_words(so_far));
-    std::fflush(stdout);
+    print_event("photo", last_photo_json(so_far, 0, 0), last_photo_words(so_far));
   });
 }
 
@@ -123,10 +115,41 @@ void add_f_number_option(CLI::App& command, double& f_number) {
       ->check(CLI::Range(0.5, 128.0));
 }
 
-std::shared_ptr<void> add_capture_options(CLI::App& command) {
-  auto f_number = std::make_shared<double>(0);
-  add_f_number_option(command, *f_number);
-  return f_number;
+void add_capture_options(CLI::App& command, CaptureArguments& arguments) {
+  add_f_number_option(command, arguments.f_number);
+}
+
+Report run_capture(const CaptureArguments& o) {
+  const PhotoLamps lamps = photo_lamps(o.light, o.new_lamp, o.bench);
+  if (o.tether) take_photos(o, lamps);
+  const WorkLock lock(o.out, "burin capture", WorkLock::Where::new_folders);
+  refuse_photos_of_other_rounds(o.photos);
+  ProgressBar bar;
+  const KeptMemory kept;
+  const CaptureResult result = capture_folder(o.photos, o.board, o.out, bar.progress(), lamps, o.f_number);
+  bar.clear();
+  std::size_t errors = 0;
+  for (const Finding& finding : result.findings) {
+    tell(finding);
+    errors += finding.severity == Finding::Severity::error ? 1 : 0;
+  }
+  if (result.written.empty())
+    fail(o.photos.string(), counted(errors, "error") + " found, no session was written",
+         "correct or remove the photos named above");
+  std::set<std::string> lit;
+  for (const Photo& photo : result.session.photos) lit.insert(photo.light);
+  Report report;
+  report.data = {{"session", result.written.string()},
+                 {"photos", result.session.photos.size()},
+                 {"views", result.views},
+                 {"lamps", lit}};
+  if (!is_in_round(o.out))
+    report.next.push_back({"burin", "calibrate", result.written.string(), "--out", o.out.string()});
+  report.line("Wrote {}: {} of {}{}{}\n", result.written.string(), counted(result.session.photos.size(), "photo"),
+              counted(static_cast<std::size_t>(result.views), "view"),
+              lit.size() > 1 ? fmt::format(" under {} lamps", lit.size()) : "",
+              report.next.empty() ? "." : "; next: " + command_text(report.next.front()));
+  return report;
 }
 
 void add_capture_command(CLI::App& burin) {
@@ -140,8 +163,8 @@ void add_capture_command(CLI::App& burin) {
   command->add_option(
       "--bench", options->bench,
       "Take lamp names from this bench.json; photos of several lamps are in PHOTOS_DIR/LAMP [default: the project's]");
-  command->add_option("--light", options->light, "Assign this lamp to photos outside the lamps' folders");
-  command->add_flag("--new-lamp", options->new_lamp, "Allow --light to name a lamp that the bench does not have yet");
+  command->add_option("--lamp", options->light, "Assign this lamp to photos outside the lamps' folders");
+  command->add_flag("--new-lamp", options->new_lamp, "Allow --lamp to name a lamp that the bench does not have yet");
   add_f_number_option(*command, options->f_number);
   CLI::Option* tether =
       command->add_flag("--tether", options->tether,
@@ -157,34 +180,7 @@ void add_capture_command(CLI::App& burin) {
     if (options->photos.empty() && !options->tether) throw CLI::RequiredError("PHOTOS_DIR");
     take_round(*command, *options);
     if (options->photos.empty()) options->photos = options->out / "photos";
-    const PhotoLamps lamps = photo_lamps(options->light, options->new_lamp, options->bench);
-    if (options->tether) take_photos(*options, lamps);
-    const WorkLock lock(options->out, "burin capture", WorkLock::Where::new_folders);
-    refuse_photos_of_other_rounds(options->photos);
-    ProgressBar bar;
-    const KeptMemory kept;
-    const CaptureResult result =
-        capture_folder(options->photos, options->board, options->out, bar.progress(), lamps, options->f_number);
-    bar.clear();
-    int errors = 0;
-    std::string first;
-    for (const Finding& finding : result.findings) {
-      tell(finding);
-      if (finding.severity == Finding::Severity::error && ++errors == 1) first = sentence(finding);
-    }
-    if (result.written.empty())
-      fail(options->photos.string(),
-           counted(static_cast<std::size_t>(errors), "error") + " found, no session was written",
-           "correct or remove the photos named above");
-    std::set<std::string> lit;
-    for (const Photo& photo : result.session.photos) lit.insert(photo.light);
-    const std::string next = is_in_round(options->out)
-                                 ? "."
-                                 : fmt::format("; next: burin calibrate {} --out {}",
-                                               shell_word(result.written.string()), shell_word(options->out.string()));
-    print_text("Wrote {}: {} of {}{}{}\n", result.written.string(), counted(result.session.photos.size(), "photo"),
-               counted(static_cast<std::size_t>(result.views), "view"),
-               lit.size() > 1 ? fmt::format(" under {} lamps", lit.size()) : "", next);
+    print(run_capture(*options));
   });
 }
 

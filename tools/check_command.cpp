@@ -1,6 +1,6 @@
 // burin check: inspects G-code before carving, and compares Burin with known results.
+#include <CLI/Error.hpp>
 #include <algorithm>
-#include <cstdio>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -10,12 +10,14 @@
 #include "burin/base/error.h"
 #include "burin/base/files/decimals.h"
 #include "burin/render/footprint/ndf_cases.h"
+#include "tools/check_file.h"
 #include "tools/commands.h"
 #include "tools/loop/say.h"
 #include "tools/loop/state.h"
 #include "tools/progress_bar.h"
 #include "tools/project_settings.h"
 #include "tools/report/carve_check.h"
+#include "tools/steps.h"
 #include "tools/work_lock.h"
 
 namespace burin {
@@ -26,28 +28,26 @@ struct CheckArguments {
   bool brief = false;
 };
 
-void check_ndf(const CheckArguments& options) {
+Report check_ndf(const CheckArguments& options) {
+  Report report;
   std::vector<NdfComparison> rows;
   const auto cases = read_ndf_cases(options.cases);
-  print_text("{}\n", ndf_table_header());
+  report.line("{}\n", ndf_table_header());
   for (const auto& c : cases) {
     rows.push_back(compare(c));
-    print_text("{}\n", ndf_line(rows.back()));
-    if (!options.brief) print_text("{}\n", ndf_gradient_line(rows.back()));
+    report.line("{}\n", ndf_line(rows.back()));
+    if (!options.brief) report.line("{}\n", ndf_gradient_line(rows.back()));
   }
   const auto failed = std::count_if(rows.begin(), rows.end(), [](const auto& r) { return !r.ok(); });
-  print_text("{}\n", ndf_summary(rows));
-  if (failed > 0) {
-    std::fflush(stdout);
-    fail(options.cases.string(), fmt::format("{} of {} rows are beyond their tolerance", failed, rows.size()),
-         "see the rows whose verdict is not ok: the table or Burin is wrong there");
-  }
+  report.line("{}\n", fact("summary", ndf_summary(rows)));
+  report.data["rows"] = rows.size();
+  report.data["failed"] = failed;
+  if (failed > 0)
+    report.failure.emplace(ErrorCode::refused, options.cases.string(),
+                           fmt::format("{} of {} rows are beyond their tolerance", failed, rows.size()),
+                           "see the rows whose verdict is not ok: the table or Burin is wrong there");
+  return report;
 }
-
-struct CarveOptions {
-  std::filesystem::path what, out;
-  CarveCheckFiles files;
-};
 
 // Checked files and output page.
 struct CarveJob {
@@ -69,7 +69,7 @@ std::vector<Finding> outdated(const CarveJob& job) {
     if (changes.empty()) return {};
     return {{Finding::Severity::error, job.loop->project.round(job.round) / "board.gcode",
              "was written before " + in_words(changes),
-             "write it again: " + loop_line(job.loop->project, "--again toolpath")}};
+             "write it again: " + loop_line(job.loop->project, "--force toolpath")}};
   }
   std::error_code error;
   const auto time_of = [&](const std::filesystem::path& file) { return std::filesystem::last_write_time(file, error); };
@@ -120,7 +120,7 @@ bool is_loops_own(const CarveCheckFiles& files, const CarveCheckFiles& own, cons
   return same;
 }
 
-CarveJob job_of(const CarveOptions& options, const CLI::App& command) {
+CarveJob job_of(const CarveCheckArguments& options, const CLI::App* command) {
   const CarveCheckFiles& said = options.files;
   CarveJob job{said, options.out, std::nullopt, 0};
   const std::optional<ProjectSettings> project = settings_around(options.what);
@@ -134,14 +134,14 @@ CarveJob job_of(const CarveOptions& options, const CLI::App& command) {
       fail(options.what.string(), "does not exist", "name scratches, or the folder of a loop's round");
     take.board = &job.files.board;
     take.bench = &job.files.bench;
-    if (project) take_from_project(command, *project, take);
+    if (project && command != nullptr) take_from_project(*command, *project, take);
     job.files.scratches = options.what;
     if (job.files.board.empty() || job.files.gcode.empty())
       throw CLI::RequiredError("--board and --gcode (or the folder of a loop's round)");
     if (job.page.empty()) job.page = "carve-check.html";
     return job;
   }
-  if (project) take_from_project(command, *project, take);
+  if (project && command != nullptr) take_from_project(*command, *project, take);
   const CarveCheckFiles own = round_files(round, job.files.machine);
   for (const auto member : {&CarveCheckFiles::board, &CarveCheckFiles::bench, &CarveCheckFiles::design,
                             &CarveCheckFiles::folder, &CarveCheckFiles::heights})
@@ -165,7 +165,9 @@ CarveJob job_of(const CarveOptions& options, const CLI::App& command) {
   return job;
 }
 
-void check_before_carving(const CarveOptions& options, const CLI::App& command) {
+}  // namespace
+
+Report run_carve_check(const CarveCheckArguments& options, const CLI::App* command) {
   CarveJob job = job_of(options, command);
   job.files.outdated = outdated(job);
   const auto& [files, page, loop, round, is_loops_own] = job;
@@ -178,20 +180,26 @@ void check_before_carving(const CarveOptions& options, const CLI::App& command) 
   write_carve_check_page(checked, files, page);
   if (is_loops_own) record_check(*loop, round, check.good());
   bar.clear();
-  print_text("{}", carve_check_text(check));
+  Report report;
+  report.data = {{"good", check.good()}, {"page", page.string()}, {"findings", to_json(check.findings)}};
+  report.line("{}", carve_check_text(check));
   if (!check.good()) {
     const auto errors = std::count_if(check.findings.begin(), check.findings.end(),
                                       [](const Finding& f) { return f.severity == Finding::Severity::error; });
-    std::fflush(stdout);
-    fail(page.string(), "do not carve this: " + counted(static_cast<std::size_t>(errors), "error"),
-         "open it in a browser and correct what it says");
+    report.failure.emplace(ErrorCode::refused, page.string(),
+                           "do not carve this: " + counted(static_cast<std::size_t>(errors), "error"),
+                           "open it in a browser and correct what it says");
+  } else {
+    report.line("{}\nWrote {}: open it in a browser, and carve if it is as you want it.\n",
+                carve_question(checked, files), page.string());
   }
-  print_text("{}\nWrote {}: open it in a browser, and carve if it is as you want it.\n", carve_question(checked, files),
-             page.string());
+  return report;
 }
 
+namespace {
+
 void add_carve_check(CLI::App& check) {
-  auto options = std::make_shared<CarveOptions>();
+  auto options = std::make_shared<CarveCheckArguments>();
   CarveCheckFiles& files = options->files;
   CLI::App* carve = check.add_subcommand(
       "carve", "Check tool path and board before carving, and write a page of errors and warnings");
@@ -219,15 +227,23 @@ void add_carve_check(CLI::App& check) {
   carve->footer(example("burin check carve round-01\n"
                         "  burin check carve scratches.csv --board board.json --gcode board.gcode --out check.html") +
                 "\nThe exit code is 1 if the page has an error.");
-  carve->callback([options, carve] { check_before_carving(*options, *carve); });
+  carve->callback([options, carve] { print(run_carve_check(*options, carve)); });
 }
 
 }  // namespace
 
 void add_check_command(CLI::App& burin) {
-  CLI::App* check = burin.add_subcommand("check", "Run pre-flight checks before carving, or a numerical self-test");
-  check->require_subcommand(1);
-  check->footer(example("burin check carve round-01\n  burin check ndf CASES.csv"));
+  CLI::App* check = burin.add_subcommand(
+      "check", "Check a file of ours, run pre-flight checks before carving, or a numerical self-test");
+  check->require_subcommand(0, 1);
+  auto file = std::make_shared<std::filesystem::path>();
+  check->add_option("FILE", *file, "Read this file as strictly as the commands, and name line and column of an error");
+  check->footer(example("burin check board.json\n  burin check carve round-01\n  burin check ndf CASES.csv"));
+  check->callback([file, check] {
+    if (!check->get_subcommands().empty()) return;
+    if (file->empty()) throw CLI::RequiredError("FILE, carve or ndf");
+    print(check_file(*file));
+  });
   add_carve_check(*check);
   auto options = std::make_shared<CheckArguments>();
   CLI::App* ndf = check->add_subcommand(
@@ -239,7 +255,7 @@ void add_check_command(CLI::App& burin) {
   ndf->footer(
       example("burin check ndf CASES.csv") +
       "\nThe exit code is 1 if a row exceeds its tolerance (1e-9 relative; gradients 1e-8 of the row's largest).");
-  ndf->callback([options] { check_ndf(*options); });
+  ndf->callback([options] { print(check_ndf(*options)); });
 }
 
 }  // namespace burin

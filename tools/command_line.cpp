@@ -16,19 +16,24 @@
 #include <memory>
 #include <new>
 #include <optional>
+#include <sstream>
 #include <string_view>
 #include <system_error>
 #include <utility>
 
 #include "burin/base/error.h"
+#include "burin/base/files/decimals.h"
 #include "burin/base/files/file_error.h"
 #include "burin/base/files/files_together.h"
 #include "burin/base/files/named_paths.h"
 #include "burin/base/files/printable.h"
+#include "burin/base/files/table.h"
 #include "burin/base/simd_choice.h"
 #include "burin/base/threads.h"
 #include "burin/optimize/duration.h"
 #include "tools/commands.h"
+#include "tools/new/words.h"
+#include "tools/old_names.h"
 #include "tools/output_mode.h"
 #include "tools/standard_streams.h"
 #include "tools/stop_signal.h"
@@ -64,7 +69,8 @@ std::unique_ptr<CLI::App> make_app() {
       "burin");
   burin->set_version_flag("--version", "burin " BURIN_VERSION);
   burin->footer(
-      "Run `burin help COMMAND` for options and an example. Start with `burin new`.\n"
+      "Run `burin help COMMAND` for options and an example, `burin help all COMMAND` for all options.\n"
+      "Start with `burin new`.\n"
       "BURIN_THREADS and BURIN_SIMD set the defaults of --threads and --simd.");
   burin->require_subcommand(1);
   // The limit must exist before a command's work begins, and lives as long as the app.
@@ -83,6 +89,8 @@ std::unique_ptr<CLI::App> make_app() {
   // take_output_mode() removes these before parsing (tools/output_mode.h). Here they only appear in --help.
   burin->add_flag("--quiet")->description("Print only notes, warnings and errors");
   burin->add_flag("--json")->description("Print one JSON object at the end instead of text");
+  burin->add_flag("--help-all")->description("Print this help with the seldom needed options of the command");
+  burin->add_flag("--json-lines")->description("Print one JSON object per line: progress, events, and the result last");
   const auto group = [&](const char* name, std::initializer_list<void (*)(CLI::App&)> commands) {
     const std::size_t before = burin->get_subcommands({}).size();
     for (const auto add_command : commands) add_command(*burin);
@@ -176,7 +184,25 @@ void check_option_names(const CLI::App& app, const CLI::App& command, const std:
   }
 }
 
-void parse(CLI::App& app, const std::vector<std::string>& arguments) {
+// Leaves seldom needed options out of the help.
+void hide_seldom_options(CLI::App& app) {
+  for (CLI::Option* option : app.get_options())
+    if (option->get_group() == kSeldom) option->group("");
+  for (CLI::App* part : app.get_subcommands({})) hide_seldom_options(*part);
+}
+
+// --help-all is --help with all options.
+std::vector<std::string> with_help_all(CLI::App& app, std::vector<std::string> arguments) {
+  const auto all = std::find(arguments.begin(), arguments.end(), "--help-all");
+  if (all == arguments.end())
+    hide_seldom_options(app);
+  else
+    *all = "--help";
+  return arguments;
+}
+
+void parse(CLI::App& app, const std::vector<std::string>& given) {
+  const std::vector<std::string> arguments = with_help_all(app, given);
   // CLI11 would only report a missing command.
   const std::size_t first = place_of_command(arguments);
   std::size_t behind = first;
@@ -204,6 +230,38 @@ std::string shell_word_of_bytes(const std::string& word) {
   return printable(quoted) + "'";
 }
 
+namespace {
+
+// CLI11 takes a length as the number of units.
+CLI::Option* read_as_length(CLI::Option* option, const char* unit, double least) {
+  const double unit_mm = std::string_view(unit) == "um" ? 1e-3 : 1;
+  return option->type_name("LENGTH")->transform(CLI::Validator(
+      [=](std::string& text) {
+        try {
+          const std::optional<double> bare = number_in(text);
+          const double length = bare ? *bare : length_in_words(text, "a length") / unit_mm;
+          if (!(length >= least)) return fmt::format("{} is less than {} {}", text, least, unit);
+          text = shortest(length);
+          return std::string();
+        } catch (const Error& error) {
+          return std::string(error.what());
+        }
+      },
+      ""));
+}
+
+}  // namespace
+
+CLI::Option* add_length_option(CLI::App& command, const std::string& name, double& value, const std::string& words,
+                               const char* unit, double least) {
+  return read_as_length(command.add_option(name, value, words), unit, least);
+}
+
+CLI::Option* add_length_option(CLI::App& command, const std::string& name, std::optional<double>& value,
+                               const std::string& words, const char* unit, double least) {
+  return read_as_length(command.add_option(name, value, words), unit, least);
+}
+
 std::string wrong_duration(const std::string& text) {
   try {
     duration_from_text(text);
@@ -213,52 +271,57 @@ std::string wrong_duration(const std::string& text) {
   }
 }
 
-void run_command(const std::vector<std::string>& arguments) { parse(*make_app(), arguments); }
-
 namespace {
 
 int said_stopped(bool kept) {
   take_last_word();
-  tell("burin: " + stop_sentence(kept) + "\n");
+  tell_error({ErrorCode::stopped, "", stop_sentence(kept), ""});
   return stop_exit_code();
 }
 
-std::string too_few_threads() {
-  return fmt::format("threads: the system gives too few; {}, or use fewer: burin --threads 1", error_remedy(EAGAIN));
+InputError too_few_threads() {
+  return {ErrorCode::no_threads, "threads", "the system gives too few",
+          error_remedy(EAGAIN) + ", or use fewer: burin --threads 1"};
 }
 
-// Returns the sentence for an exception that ends the command. Returns an empty one if the check of standard output
-// will report the error.
-std::string exception_sentence(const std::exception_ptr& thrown) {
+constexpr const char* kReport = "this is a fault in Burin, please report it with the command you gave";
+
+InputError memory_ran_out() { return {ErrorCode::no_memory, "", "memory ran out", kMoreMemory}; }
+
+// Returns the error for an exception that ends the command; none if the check of standard output will report it.
+std::optional<InputError> error_of(const std::exception_ptr& thrown) {
+  using enum ErrorCode;
   try {
     if (thrown) std::rethrow_exception(thrown);
-    return "ended by itself; this is a fault in Burin, please report it with the command you gave";
+    return InputError(fault, "", "ended by itself", kReport);
+  } catch (const InputError& error) {
+    return error;
   } catch (const Error& error) {
-    return error.what();
+    return InputError(bad_input, "", error.what(), "");
   } catch (const std::filesystem::filesystem_error& error) {
     // Errors without an earlier check: a folder without read permission, circular links, an overlong name.
-    return fmt::format("{}: cannot be used: {}; {}",
-                       error.path1().empty() ? "a file or folder" : printable(error.path1().string()),
-                       error_text(error.code().value()), error_remedy(error.code().value()));
+    return InputError(unreadable_file, error.path1().empty() ? "a file or folder" : error.path1().string(),
+                      "cannot be used: " + error_text(error.code().value()), error_remedy(error.code().value()));
   } catch (const std::system_error& error) {
     // fmt::print throws this for standard output, whose error is reported at the end.
-    if (std::ferror(stdout) != 0) return {};
+    if (std::ferror(stdout) != 0) return std::nullopt;
     if (error.code().value() == EAGAIN) return too_few_threads();
-    return fmt::format("{}; {}", error.what(), error_remedy(error.code().value()));
+    return InputError(bad_input, "", error.what(), error_remedy(error.code().value()));
   } catch (const std::bad_alloc&) {
-    return fmt::format("memory ran out; {}", kMoreMemory);
+    return memory_ran_out();
   } catch (const std::exception& error) {
     const std::string_view what = error.what();
     if (what.find("Failed to allocate") != std::string_view::npos)  // message of OpenCV
-      return fmt::format("memory ran out; {}", kMoreMemory);
+      return memory_ran_out();
     if (what.find("pthread_create") != std::string_view::npos) return too_few_threads();  // message of TBB
-    return fmt::format("{}; this is a fault in Burin, please report it with the command you gave", printable(what));
+    return InputError(fault, "", error.what(), kReport);
   } catch (...) {
-    return "an unknown exception; this is a fault in Burin, please report it with the command you gave";
+    return InputError(fault, "", "an unknown exception", kReport);
   }
 }
 
-int run_in_words(const std::vector<std::string>& arguments) {
+// Runs the command line, and reports how it ends. Returns the exit code. `text`: of --help and --version.
+int run_and_report(const std::vector<std::string>& arguments, std::string& text) {
   const auto app = make_app();
   std::unique_ptr<SimdChoice> by_environment;
   std::unique_ptr<ThreadLimit> limit_by_environment;
@@ -273,12 +336,15 @@ int run_in_words(const std::vector<std::string>& arguments) {
     return said_stopped(false);
   } catch (const CLI::ParseError& error) {
     take_last_word();
-    return app->exit(error) == 0 ? kDone : kWrongCommandLine;
+    std::ostringstream out, err;
+    const bool good = app->exit(error, out, err) == 0;
+    text = out.str();
+    if (!good) tell_error({ErrorCode::command_line, "", error.what(), ""});
+    return good ? kDone : kWrongCommandLine;
   } catch (...) {
     take_last_word();
     const int exit_code = StopOnSignal::asked() ? stop_exit_code() : kNotDone;
-    const std::string words = exception_sentence(std::current_exception());
-    if (!words.empty()) tell("burin: " + words + "\n");
+    if (const auto error = error_of(std::current_exception())) tell_error(*error);
     return exit_code;
   }
   return kDone;
@@ -317,12 +383,14 @@ std::vector<std::string> program_options_first(const std::vector<std::string>& a
 
 namespace {
 
-/// `burin` and `burin help` as `burin --help`, `burin help design` as `burin design --help`.
+/// `burin` and `burin help` as `burin --help`, `burin help design` as `burin design --help`, `burin help all design` as
+/// `burin design --help-all`.
 std::vector<std::string> with_help_as_option(const std::vector<std::string>& arguments) {
   if (arguments.empty()) return {"--help"};
   if (arguments[0] != "help") return arguments;
-  std::vector<std::string> out(arguments.begin() + 1, arguments.end());
-  out.emplace_back("--help");
+  const bool all = arguments.size() > 1 && arguments[1] == "all";
+  std::vector<std::string> out(arguments.begin() + (all ? 2 : 1), arguments.end());
+  out.emplace_back(all ? "--help-all" : "--help");
   return out;
 }
 
@@ -331,23 +399,33 @@ std::vector<std::string> with_help_as_option(const std::vector<std::string>& arg
 int run_program(const std::vector<std::string>& arguments) {
   fill_closed_streams();
   std::vector<std::string> command = program_options_first(with_help_as_option(arguments));
-  const OutputMode mode = take_output_mode(command);
+  begin_output(take_output_mode(command), command);
   int exit_code = kDone;
+  {
+    std::size_t behind = place_of_command(command);
+    const std::string name = behind < command.size() ? command[behind] : "";
+    replace_old_names(name, behind, command);
+  }
   const NamedPaths named(command);
   try {
     StopWords words;
-    words.last = [mode, command](const std::string& sentence, int code) {
-      say_at_the_end(mode, command, sentence, code);
+    words.last = say_at_the_end;
+    words.heard = say_meanwhile;
+    words.uncaught = [](const std::exception_ptr& thrown) {
+      const auto error = error_of(thrown);
+      return error ? std::string(error->what()) : std::string();
     };
-    if (mode == OutputMode::words) words.heard = [](const std::string& sentence) { say_meanwhile(sentence); };
-    words.uncaught = exception_sentence;
-    end_on_signals(command_text(arguments), std::move(words));
+    std::vector<std::string> line{"burin"};
+    line.insert(line.end(), arguments.begin(), arguments.end());
+    end_on_signals(command_text(line), std::move(words));
     report_settled_changes([](const std::string& sentence) { note(sentence); });
     const ResultToOutput result(command);
-    exit_code = run_in_mode(mode, command, [&] { return run_in_words(command); });
+    std::string text;
+    exit_code = run_and_report(command, text);
+    take_last_word();
+    end_output(exit_code, text);
   } catch (const std::exception&) {
-    const std::string words = exception_sentence(std::current_exception());
-    if (!words.empty()) tell("burin: " + words + "\n");
+    if (const auto error = error_of(std::current_exception())) tell_error(*error);
     exit_code = kNotDone;
   }
   return exit_code_with_output_checked(exit_code);

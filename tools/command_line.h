@@ -11,10 +11,6 @@ namespace burin {
 /// Makes the parser with all options and commands. The manual pages use it too (tools/manual.h).
 std::unique_ptr<CLI::App> make_app();
 
-/// Runs `burin ARGUMENTS...`; main and the steps of the loop call it. Throws burin::Error if the work fails. Throws
-/// CLI::ParseError (CLI11) for a wrong command line and for --help.
-void run_command(const std::vector<std::string>& arguments);
-
 /// Runs `burin ARGUMENTS...` and prints errors as one sentence to stderr. Returns the exit code: 0 done, 1 failed, 2
 /// wrong command line.
 int run_program(const std::vector<std::string>& arguments);

@@ -14,7 +14,10 @@
 //       const auto path = plan(read_scratches(options->scratches), bar.progress());
 //       write_text(gcode(path), options->out);
 //       bar.clear();
-//       print_text("Wrote {}: 40000 scratches, about 6 h 20 min; send it to the machine.\n", options->out.string());
+//       Report report;                                                   // tools/facts.h: text and JSON in one
+//       report.line("Wrote {}: {} scratches; send it to the machine.\n", options->out.string(),
+//                   fact("scratches", path.size()));
+//       print(report);
 //     });
 //   }
 //
@@ -24,25 +27,26 @@
 // - Commands use no file validators of CLI11. A missing file is failed work (1), not a wrong command line (2), and the
 //   library's own message contains the remedy.
 // - Contradictory options throw CLI::ValidationError: exit code 2.
-// - Results go to stdout. The last line names the result and the next command, ready to paste, with all needed options
-//   (shell_word). Capitals stand for values of the user.
-// - Findings that do not stop the work go to stderr under their severity ("note: ...", "warning: ..."), through note().
-//   A command prints nothing else.
+// - A command returns or prints a Report. Its text goes to stdout; --json gives its data. The last line names the
+// result
+//   and the next command, ready to paste, with all needed options (shell_word). Capitals stand for values of the user.
+//   `next` holds only commands that run as they are.
+// - Diagnostics that do not stop the work go through tell() and note(), and news of work that goes on through
+//   print_event() (tools/output_mode.h). A command prints nothing else, and no code reads printed text.
 // - Commands write complete outputs only (write_atomically), and make folders with make_output_folder.
 // - `--help` ends with a working example.
 #pragma once
 
-#include <fmt/format.h>
-
 #include <CLI/App.hpp>
 #include <memory>
+#include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "burin/base/files/printable.h"
 #include "burin/base/finding.h"
-#include "tools/standard_streams.h"
+#include "tools/facts.h"
+#include "tools/output_mode.h"
 
 namespace burin {
 
@@ -68,17 +72,21 @@ void add_status_command(CLI::App& burin);
 void add_trace_command(CLI::App& burin);
 void add_check_command(CLI::App& burin);
 
-/// Add the options of `burin design`, `burin capture` and `burin toolpath` without those for files. `command` may be
-/// another command, which forwards them. The returned object owns the parsed values.
-std::shared_ptr<void> add_design_options(CLI::App& command);
-std::shared_ptr<void> add_capture_options(CLI::App& command);
-std::shared_ptr<void> add_toolpath_options(CLI::App& command);
-
 /// Adds --f-number: the aperture of photos without one in their EXIF data. 0: not given.
 void add_f_number_option(CLI::App& command, double& f_number);
 
 /// Type name of options with a file as value. Forwarding commands rebase these paths.
 inline constexpr const char* kFile = "FILE";
+
+/// Group of options that only `--help-all` shows.
+inline constexpr const char* kSeldom = "Options that are seldom needed";
+
+/// Adds an option for a length: a number with a unit (mm, cm, m, in, ft, um), or a bare one in `unit` ("mm", "um"),
+/// which is the unit of `value`. `least`: the smallest allowed value.
+CLI::Option* add_length_option(CLI::App& command, const std::string& name, double& value, const std::string& words,
+                               const char* unit = "mm", double least = 0);
+CLI::Option* add_length_option(CLI::App& command, const std::string& name, std::optional<double>& value,
+                               const std::string& words, const char* unit = "mm", double least = 0);
 
 /// CLI11 check of an option for a time, with any default unit. Returns an empty string for a good value.
 std::string wrong_duration(const std::string& text);
@@ -101,25 +109,11 @@ inline std::string shell_word(const std::string& word) {
   return quoted + "'";
 }
 
-/// Returns `burin ARGUMENTS...` as a command line to paste.
-inline std::string command_text(const std::vector<std::string>& arguments) {
-  std::string line = "burin";
-  for (const std::string& word : arguments) line += " " + shell_word(word);
+/// Returns words as a command line to paste.
+inline std::string command_text(const std::vector<std::string>& words) {
+  std::string line;
+  for (const std::string& word : words) line += (line.empty() ? "" : " ") + shell_word(word);
   return line;
-}
-
-/// Prints to stdout like fmt::print, with control characters in names of files and folders escaped.
-template <typename... T>
-void print_text(fmt::format_string<T...> format, T&&... values) {
-  say_text(fmt::format(format, std::forward<T>(values)...));
-}
-
-/// Prints a fact that needs no action to stderr: an assumed value, an unchanged file.
-inline void note(const std::string& sentence) { tell("note: " + sentence + "\n"); }
-
-/// Prints a finding under its severity: "warning: ...". To stderr.
-inline void tell(const Finding& finding) {
-  tell(std::string(in_words(finding.severity)) + ": " + sentence(finding) + "\n");
 }
 
 }  // namespace burin

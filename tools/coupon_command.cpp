@@ -62,28 +62,34 @@ Scratches in_coupon(const CouponPlan& plan, const Sent& sent) {
   return out;
 }
 
-void print_plan(const CouponPlan& plan, const ToolpathReport& report) {
+void report_coupon(const CouponPlan& plan, const ToolpathReport& path, Report& report) {
   const Coupon& coupon = plan.coupon;
-  print_text("coupon {} of {}: {} fans of {} kinds, {} scratches, about {} on {}\n", coupon.number, coupon.date,
-             coupon.fans.size(), coupon.cells.size(), plan.scratches.size(), duration_text(report.duration_s),
-             plan.machine.name);
+  report.all().set("time", path.duration_s, "s");
+  report.line("coupon {} of {}: {} fans of {} kinds, {} scratches, about {} on {}\n", fact("coupon", coupon.number),
+              fact("date", coupon.date), fact("fans", coupon.fans.size()), coupon.cells.size(),
+              fact("scratches", plan.scratches.size()), duration_text(path.duration_s),
+              fact("machine", plan.machine.name));
   for (const CouponCell& cell : coupon.cells)
-    print_text("  {:>6.4g} {} at {:>5.4g} mm/min, {:.2f} mm apart: believed to make {:.1f} um\n", cell.command,
-               unit_of(plan.machine.depth_by), cell.feed_mm_min, cell.spacing_mm, cell.depth_um);
+    report.add("cells").line("  {:>6.4g} {} at {:>5.4g} mm/min, {:.2f} mm apart: believed to make {:.1f} um\n",
+                             fact("command", cell.command), unit_of(plan.machine.depth_by),
+                             fact("feed", cell.feed_mm_min, "mm/min"), fact("spacing", cell.spacing_mm, "mm"),
+                             fact("depth", cell.depth_um, "um"));
   const double half = plan.board.size_mm.x() / 2;
-  print_text("tags     {} to {} of {}, {:g} mm, as in board.json\n", plan.board.tags.list.front().id,
-             plan.board.tags.list.back().id, plan.board.tags.family, plan.board.tags.list.front().size_mm);
-  print_text("lamp     {:.0f} mm towards you from the coupon's middle and {:.0f} mm above it; it stays there\n",
-             half - coupon.lamp_mm.y(), coupon.lamp_mm.z());
+  report.all().set("lamp_position", to_json(coupon.lamp_mm), "mm");
+  report.line("tags     {} to {} of {}, {:g} mm, as in board.json\n", plan.board.tags.list.front().id,
+              plan.board.tags.list.back().id, plan.board.tags.family, plan.board.tags.list.front().size_mm);
+  report.line("lamp     {:.0f} mm towards you from the coupon's middle and {:.0f} mm above it; it stays there\n",
+              half - coupon.lamp_mm.y(), coupon.lamp_mm.z());
   for (std::size_t i = 0; i < coupon.shots.size(); ++i) {
     const Eigen::Vector3d& eye = coupon.shots[i].eye_mm;
-    print_text("photo {}  camera {:.0f} mm {}, {:.0f} mm {} from the middle, {:.0f} mm above the face\n", i + 1,
-               std::abs(eye.x() - half), eye.x() < half ? "left" : "right", std::abs(eye.y() - half),
-               eye.y() < half ? "towards you" : "away from you", eye.z());
+    report.add("shots").set("eye_position", to_json(eye), "mm");
+    report.line("photo {}  camera {:.0f} mm {}, {:.0f} mm {} from the middle, {:.0f} mm above the face\n", i + 1,
+                std::abs(eye.x() - half), eye.x() < half ? "left" : "right", std::abs(eye.y() - half),
+                eye.y() < half ? "towards you" : "away from you", eye.z());
   }
 }
 
-void write_coupon_files(WriteOptions options, const CLI::App& command) {
+Report write_coupon_files(WriteOptions options, const CLI::App& command) {
   if (const std::optional<ProjectSettings> project = settings_around(options.out))
     take_from_project(command, *project, {.machine = &options.machine});
   const WorkLock lock(options.out, "burin coupon write", WorkLock::Where::new_folders);
@@ -128,18 +134,21 @@ void write_coupon_files(WriteOptions options, const CLI::App& command) {
   write_board(plan.board, options.out / "board.json");
   write_coupon(plan.coupon, options.out / "coupon.json");
   all.put();
-  print_plan(plan, report);
+  Report said;
+  report_coupon(plan, report, said);
   const std::string zero = on ? "at the board's lower left corner"
                               : fmt::format("at X{:g} Y{:g} left and below of the coupon's corner",
                                             plan.coupon.at_mm.x(), plan.coupon.at_mm.y());
   const bool at_corner = !on && plan.coupon.at_mm.isZero();
-  print_text(
+  said.next = {{"burin", "print", (options.out / "board.json").string()}};
+  said.line(
       "Wrote {}: set work zero {}, carve {}, put the tags on (burin print {}), take the photos with short exposures "
       "beside the usual one; then: burin coupon read {} --photos PHOTOS_DIR --machine {} --out {}\n",
       (options.out / "coupon.json").string(), at_corner ? "at the coupon's lower left corner" : zero,
       shell_word(report.files.front().string()), shell_word((options.out / "board.json").string()),
       shell_word(options.out.string()), shell_word(options.machine),
       shell_word((options.out / "machine.json").string()));
+  return said;
 }
 
 struct ReadOptions {
@@ -197,42 +206,70 @@ std::string number_text(const CouponNumber& number, int digits) {
                      number.degree == Degree::weakly ? " (weakly)" : "");
 }
 
-void print_trend(const std::string& name, const Estimate& e, const std::string& rises, const std::string& falls) {
-  if (!e.known)
-    print_text("{}not determined: too few fans repeat\n", name);
-  else if (std::abs(e.value) < 2 * e.sigma)
-    print_text("{}none seen ({:+.1f} +- {:.1f} %)\n", name, 100 * e.value, 100 * e.sigma);
+// Adds a number of a cell or of the coupon to the data; its text says more.
+void set_number(Facts facts, const char* name, const CouponNumber& number, const char* unit = "") {
+  if (number.degree == Degree::not_determined)
+    facts.set(name, nullptr);
   else
-    print_text("{}{} by {:.1f} +- {:.1f} % from the first fan to the last\n", name, e.value > 0 ? rises : falls,
-               100 * std::abs(e.value), 100 * e.sigma);
+    facts.set(name, number.value, unit, number.sigma);
 }
 
-void print_reading(const Coupon& coupon, const CouponReading& r) {
-  print_text("coupon {} of {}, {} fans\n", coupon.number, coupon.date, coupon.fans.size());
-  print_text("  {:>8}  {:>8}  {:>8}  {:>5}  {:<18}  {}\n", "command", "mm/min", "apart mm", "fans", "depth um",
-             "alpha");
+void set_estimate(Facts facts, const char* name, const Estimate& e) {
+  if (e.known) facts.set(name, 100 * e.value, "%", 100 * e.sigma);
+}
+
+void report_trend(const std::string& name, const Estimate& e, const std::string& rises, const std::string& falls,
+                  Report& report) {
+  if (!e.known)
+    report.line("{}not determined: too few fans repeat\n", name);
+  else if (std::abs(e.value) < 2 * e.sigma)
+    report.line("{}none seen ({:+.1f} +- {:.1f} %)\n", name, 100 * e.value, 100 * e.sigma);
+  else
+    report.line("{}{} by {:.1f} +- {:.1f} % from the first fan to the last\n", name, e.value > 0 ? rises : falls,
+                100 * std::abs(e.value), 100 * e.sigma);
+}
+
+void report_reading(const Coupon& coupon, const CouponReading& r, Report& report) {
+  report.line("coupon {} of {}, {} fans\n", fact("coupon", coupon.number), fact("date", coupon.date),
+              fact("fans", coupon.fans.size()));
+  set_estimate(report.in("depth"), "repeat", r.depth.repeat);
+  set_estimate(report.in("depth"), "wear", r.depth.wear);
+  set_estimate(report.in("depth"), "tilt_x", r.depth.tilt_x);
+  set_estimate(report.in("depth"), "tilt_y", r.depth.tilt_y);
+  set_estimate(report.in("alpha"), "repeat", r.alpha.repeat);
+  set_estimate(report.in("alpha"), "wear", r.alpha.wear);
+  if (r.travel.known) {
+    report.in("direction").set("share", 100 * r.travel.share, "%", 100 * r.travel.sigma);
+    report.in("direction").set("towards", r.travel.towards_deg, "deg", r.travel.towards_sigma_deg);
+  }
+  report.line("  {:>8}  {:>8}  {:>8}  {:>5}  {:<18}  {}\n", "command", "mm/min", "apart mm", "fans", "depth um",
+              "alpha");
   for (std::size_t c = 0; c < r.cells.size(); ++c) {
     const CouponCell& cell = coupon.cells[c];
-    print_text("  {:>8.4g}  {:>8.4g}  {:>8.2f}  {:>5}  {:<18}  {}\n", cell.command, cell.feed_mm_min, cell.spacing_mm,
-               r.cells[c].fans, number_text(r.cells[c].depth_um, 2), number_text(r.cells[c].alpha, 4));
+    Facts facts = report.add("cells");
+    set_number(facts, "depth", r.cells[c].depth_um, "um");
+    set_number(facts, "alpha", r.cells[c].alpha);
+    facts.line("  {:>8.4g}  {:>8.4g}  {:>8.2f}  {:>5}  {:<18}  {}\n", fact("command", cell.command),
+               fact("feed", cell.feed_mm_min, "mm/min"), fact("spacing", cell.spacing_mm, "mm"),
+               fact("fans", r.cells[c].fans), number_text(r.cells[c].depth_um, 2), number_text(r.cells[c].alpha, 4));
   }
   if (r.depth.repeat.known)
-    print_text("repeats   fans carved alike differ by {:.1f} +- {:.1f} % in depth, {:.1f} +- {:.1f} % in alpha\n",
-               100 * r.depth.repeat.value, 100 * r.depth.repeat.sigma, 100 * r.alpha.repeat.value,
-               100 * r.alpha.repeat.sigma);
-  print_trend("wear      depth: ", r.depth.wear, "grows", "falls");
-  print_trend("          alpha: ", r.alpha.wear, "grows", "falls");
+    report.line("repeats   fans carved alike differ by {:.1f} +- {:.1f} % in depth, {:.1f} +- {:.1f} % in alpha\n",
+                100 * r.depth.repeat.value, 100 * r.depth.repeat.sigma, 100 * r.alpha.repeat.value,
+                100 * r.alpha.repeat.sigma);
+  report_trend("wear      depth: ", r.depth.wear, "grows", "falls", report);
+  report_trend("          alpha: ", r.alpha.wear, "grows", "falls", report);
   for (const auto& [tilt, way] :
        {std::pair(r.depth.tilt_x, "left to right"), std::pair(r.depth.tilt_y, "bottom to top")})
     if (tilt.known && std::abs(tilt.value) > 3 * tilt.sigma)
-      print_text("tilt      depth changes by {:+.0f} +- {:.0f} % from {}: the sheet does not lie level\n",
-                 100 * tilt.value, 100 * tilt.sigma, way);
+      report.line("tilt      depth changes by {:+.0f} +- {:.0f} % from {}: the sheet does not lie level\n",
+                  100 * tilt.value, 100 * tilt.sigma, way);
   if (!r.travel.known)
-    print_text("direction not determined ({:.0f} +- {:.0f} %)\n", 100 * r.travel.share, 100 * r.travel.sigma);
+    report.line("direction not determined ({:.0f} +- {:.0f} %)\n", 100 * r.travel.share, 100 * r.travel.sigma);
   else if (!r.travel.seen)
-    print_text("direction no difference seen ({:.1f} +- {:.1f} %)\n", 100 * r.travel.share, 100 * r.travel.sigma);
+    report.line("direction no difference seen ({:.1f} +- {:.1f} %)\n", 100 * r.travel.share, 100 * r.travel.sigma);
   else
-    print_text(
+    report.line(
         "direction {:.1f} +- {:.1f} % deeper going towards {:.0f} +- {:.0f} degrees (0: right, 90: up) than going "
         "back\n",
         100 * r.travel.share, 100 * r.travel.sigma, r.travel.towards_deg, r.travel.towards_sigma_deg);
@@ -268,7 +305,8 @@ MachineMeasured measured_of(const Coupon& coupon, const CouponReading& r, const 
   return out;
 }
 
-void write_machine(const ReadOptions& options, const MachineProfile& machine, const MachineMeasured& measured) {
+void write_machine(const ReadOptions& options, const MachineProfile& machine, const MachineMeasured& measured,
+                   Report& report) {
   const DepthTable table = measured_table(measured);
   const bool presses = machine.depth_by != DepthBy::fixed_z;
   if (presses && table.rows.empty())
@@ -277,16 +315,16 @@ void write_machine(const ReadOptions& options, const MachineProfile& machine, co
                      "rise with them",
                      "take the photos that the notes above ask for"));
   const std::optional<fs::path> former = write_measured_machine(options.machine, measured, options.out);
-  if (former) print_text("The former file is kept as {}\n", former->string());
+  if (former) report.line("The former file is kept as {}\n", fact("former_file", former->string()));
   const std::string what = presses && !table.rows.empty()
                                ? fmt::format("a depth table of {} rows, {:.1f} to {:.1f} um", table.rows.size(),
                                              table.rows.front().depth_um, table.rows.back().depth_um)
                                : "what the coupon told";
-  print_text("Wrote {}: {}; next: burin loop PROJECT_DIR --machine {} (kept in the project's loop.toml)\n",
-             options.out.string(), what, shell_word(options.out.string()));
+  report.line("Wrote {}: {}; next: burin loop PROJECT_DIR --machine {} (kept in the project's loop.toml)\n",
+              options.out.string(), what, shell_word(options.out.string()));
 }
 
-void read_coupon_files(ReadOptions options, const CLI::App& command) {
+Report read_coupon_files(ReadOptions options, const CLI::App& command) {
   const std::optional<ProjectSettings> project = settings_around(options.folder);
   if (project && !options.out.empty()) take_from_project(command, *project, {.machine = &options.machine});
   if (!options.out.empty() && options.machine.empty()) throw CLI::RequiredError("--machine");
@@ -325,15 +363,17 @@ void read_coupon_files(ReadOptions options, const CLI::App& command) {
   bar.clear();
   for (const Finding& finding : calibrated.findings) tell(finding);
   for (const Finding& finding : reading.findings) tell(finding);
-  print_reading(coupon, reading);
+  Report report;
+  report_reading(coupon, reading, report);
   if (machine)
-    write_machine(options, *machine, measured_of(coupon, reading, board, told));
+    write_machine(options, *machine, measured_of(coupon, reading, board, told), report);
   else
-    print_text(
+    report.line(
         "Read coupon {}; next, into the machine's file: burin coupon read {} --photos {} --machine {} --out {}\n",
         coupon.number, shell_word(options.folder.string()), shell_word(options.photos.string()),
         project && !project->machine.empty() ? shell_word(project->machine) : "MACHINE",
         shell_word((options.folder / "machine.json").string()));
+  return report;
 }
 
 }  // namespace
@@ -387,7 +427,7 @@ void add_coupon_command(CLI::App& burin) {
   write->footer(
       example("burin coupon write --machine grbl-spring --number 3 --out coupon-3\n"
               "  burin coupon write --machine grbl --depths 6 10 14 20 --feeds 300 --number 4 --out coupon-4"));
-  write->callback([options, write] { write_coupon_files(*options, *write); });
+  write->callback([options, write] { print(write_coupon_files(*options, *write)); });
   auto reading = std::make_shared<ReadOptions>();
   CLI::App* read =
       coupon->add_subcommand("read", "Measure depth and roughness per preload and speed from at least three photos");
@@ -403,7 +443,7 @@ void add_coupon_command(CLI::App& burin) {
       "--out", reading->out, "Write this machine file (.json); if it is --machine's own, keep the old one as .former");
   machine->needs(out);
   read->footer(example("burin coupon read coupon-3 --photos photos --machine grbl-spring --out machine.json"));
-  read->callback([reading, read] { read_coupon_files(*reading, *read); });
+  read->callback([reading, read] { print(read_coupon_files(*reading, *read)); });
 }
 
 }  // namespace burin

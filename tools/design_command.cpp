@@ -28,6 +28,7 @@
 #include "tools/picture_quality.h"
 #include "tools/progress_bar.h"
 #include "tools/project.h"
+#include "tools/steps.h"
 #include "tools/stop_signal.h"
 #include "tools/work_lock.h"
 
@@ -90,26 +91,20 @@ class QualityOverTime {
   double last_db_ = 0;
 };
 
-struct DesignArguments {
-  std::filesystem::path spec, out, bench, board, from;
-  std::vector<std::filesystem::path> carved;
-  int scratches = 0;
-  std::optional<int> iterations;
-  std::string start = "guided", exposure = "view", time, carve_time, machine;
-  DesignOptions design;
-  bool live = false;
-  double depth_um = 0;  // of the grooves; 0: the bench's
-};
-
-// Options to repeat in a command to continue a design.
-std::string said_again(const DesignArguments& o) {
-  std::string line;
-  if (!o.bench.empty()) line += " --bench " + shell_word(o.bench.string());
-  if (!o.board.empty()) line += " --board " + shell_word(o.board.string());
-  for (const std::filesystem::path& file : o.carved) line += " --carved " + shell_word(file.string());
-  if (!o.machine.empty()) line += " --machine " + shell_word(o.machine);
-  if (o.depth_um > 0) line += " --depth " + shortest(o.depth_um);
-  return line;
+// The command that continues a design from its scratches.
+std::vector<std::string> continued(const DesignArguments& o, const std::filesystem::path& from,
+                                   const std::vector<std::string>& more = {}) {
+  std::vector<std::string> words{"burin", "design", o.spec.string(), "--out", o.out.string(), "--from", from.string()};
+  words.insert(words.end(), more.begin(), more.end());
+  const auto add = [&](const char* option, const std::string& value) {
+    if (!value.empty()) words.insert(words.end(), {option, value});
+  };
+  add("--bench", o.bench.string());
+  add("--board", o.board.string());
+  for (const std::filesystem::path& file : o.carved) add("--carved", file.string());
+  add("--machine", o.machine);
+  if (o.depth_um > 0) add("--depth", shortest(o.depth_um));
+  return words;
 }
 
 // A full disk at the end must not lose hours of work. If the whole result cannot be written, the scratches alone may
@@ -126,11 +121,9 @@ void write_or_keep(const DesignResult& result, const DesignSpec& spec, const Boa
     } catch (const Error&) {
       throw error;
     }
-    throw Error(
-        fmt::format("{}. The scratches alone found room. Make some for the rest, and write it with: burin design "
-                    "{} --out {} --from {} --iterations 0 --drop-error 0{}",
-                    error.what(), shell_word(o.spec.string()), shell_word(o.out.string()), shell_word(kept.string()),
-                    said_again(o)));
+    throw Error(fmt::format("{}. The scratches alone found room. Make some for the rest, and write it with: {}",
+                            error.what(),
+                            command_text(continued(o, kept, {"--iterations", "0", "--drop-error", "0"}))));
   }
 }
 
@@ -142,30 +135,92 @@ void give_depth(double depth_um, Scratches& rows) {
 int longer_side(const Image& image) { return std::max(image.width, image.height); }
 
 // Prints each view's PSNR at the eye's resolution and, if different, at the design's.
-void print_views(const DesignResult& result) {
+void report_views(const DesignResult& result, Report& report) {
   const int eye_px = result.eye_px, own_px = longer_side(result.views.front().shown);
   const auto of = [](int px) { return fmt::format("({} px)", px); };
   const bool own = own_px != eye_px;
   const std::string no_word, close = own ? "  close by" : "", close_px = own ? fmt::format("  {:>8}", of(own_px)) : "";
-  print_text("view        PSNR dB {}   SSIM   plain face   own / highest other target's correlation\n", close);
-  print_text("            {:<8}{}          {}\n", of(eye_px), close_px, of(own_px));
+  report.line("view        PSNR dB {}   SSIM   plain face   own / highest other target's correlation\n", close);
+  report.line("            {:<8}{}          {}\n", of(eye_px), close_px, of(own_px));
   for (std::size_t k = 0; k < result.views.size(); ++k) {
     const DesignedView& v = result.views[k];
-    print_text("{:<10}  {:7.2f} {}  {:5.3f}   {:7.2f} dB   {:5.2f} / {:5.2f}\n", v.view, v.eye_psnr_db,
-               own ? fmt::format("  {:8.2f}", v.psnr_db) : no_word, v.ssim, v.achievable_psnr_db, v.ghost[k],
-               highest_other(v.ghost, k));
+    Facts view = report.add("views");
+    view.set("psnr", v.psnr_db, "dB");
+    view.line("{:<10}  {:7.2f} {}  {:5.3f}   {:7.2f} dB   {:5.2f} / {:5.2f}\n", fact("view", v.view),
+              fact("eye_psnr", v.eye_psnr_db, "dB"), own ? fmt::format("  {:8.2f}", v.psnr_db) : no_word,
+              fact("ssim", v.ssim), fact("plain_face_psnr", v.achievable_psnr_db, "dB"),
+              fact("own_correlation", v.ghost[k]), fact("highest_other_correlation", highest_other(v.ghost, k)));
     if (v.color)
-      print_text("            in color: red {:.2f}, green {:.2f}, blue {:.2f} dB, luminance {:.2f} dB {}\n",
-                 v.color->quality.channel_psnr_db[0], v.color->quality.channel_psnr_db[1],
-                 v.color->quality.channel_psnr_db[2], v.color->quality.luminance_psnr_db, of(own_px));
+      view.line("            in color: red {:.2f}, green {:.2f}, blue {:.2f} dB, luminance {:.2f} dB {}\n",
+                fact("red_psnr", v.color->quality.channel_psnr_db[0], "dB"),
+                fact("green_psnr", v.color->quality.channel_psnr_db[1], "dB"),
+                fact("blue_psnr", v.color->quality.channel_psnr_db[2], "dB"),
+                fact("luminance_psnr", v.color->quality.luminance_psnr_db, "dB"), of(own_px));
   }
-  print_text(
+  report.all().set("pixels", own_px);
+  report.line(
       "{} px along the longer side are what eyes {:.2g} m away tell apart: compare designs by them. Plain face: the "
       "target, if nothing but the plain face's own light were wrong; grooves that cover the face may come nearer.\n",
-      eye_px, result.eye_from_m);
+      fact("eye_pixels", eye_px), fact("eye_distance", result.eye_from_m, "m"));
 }
 
-void run(const DesignArguments& o) {
+Report report_of(const DesignResult& result, const DesignSpec& spec, const DesignOptions& options,
+                 const QualityOverTime& quality, const DesignArguments& o) {
+  Report report;
+  report_views(result, report);
+  for (std::size_t k = 0; k < result.tolerance.size(); ++k)
+    report.line("{}\n", tolerance_text(result.views[k].view, result.tolerance[k]));
+  const std::size_t kept = result.scratches.size() - result.carved;
+  Facts all = report.all();
+  all.set("iterations", result.history.size() - 1);
+  all.set("started_with", result.started_with);
+  all.line("loss {:.0f} -> {:.0f} in {}; {:.1f} s in all; {} of {} kept\n",
+           fact("first_loss", result.history.front().loss), fact("final_loss", result.final_loss),
+           counted(result.history.size() - 1, "iteration"), fact("time", result.total_seconds, "s"),
+           fact("scratches", kept), counted(result.started_with, "scratch"));
+  double mean_db = 0;
+  for (const DesignedView& v : result.views) mean_db += v.psnr_db / static_cast<double>(result.views.size());
+  all.set("mean_psnr", mean_db, "dB");
+  if (const std::string line = quality.line(mean_db); !line.empty())
+    all.line("mean of the views, of {} px: {}\n", longer_side(result.views.front().shown), line);
+  if (const std::string dropped = dropped_text(result.dropped_by_rule); !dropped.empty())
+    all.line("left out because they could not obey the machine's and the board's limits: {}\n",
+             fact("dropped_by_rule", dropped));
+  if (result.carved > 0)
+    all.line("{} new; {} carved already, which stay as they are (column \"carved\")\n", counted(kept, "scratch"),
+             fact("carved_already", result.carved));
+  if (!result.curve.empty())
+    all.line("{:.2f} hours to carve on {}; what fewer would show: carving-curve.svg\n",
+             fact("carving_time", result.curve.front().hours, "h"), fact("machine", options.carve_machine.name));
+  if (result.width_um) all.line("width_um {:.1f}\n", fact("width", *result.width_um, "um"));
+  if (result.depth_um) all.line("depth_um {:.2f}\n", fact("depth", *result.depth_um, "um"));
+  if (result.alpha) all.line("alpha {:.4f}\n", fact("alpha", *result.alpha));
+  all.set("stopped_early", result.stopped_early);
+  if (result.stopped_early) {
+    report.next.push_back(continued(o, o.out / "scratches.csv"));
+    all.line("Stopped early. Go on with: {}\n", command_text(report.next.back()));
+  }
+  if (is_in_round(o.out)) {
+    all.line("Wrote {}: look at preview-*.png.\n", o.out.string());
+    return report;
+  }
+  std::vector<std::string> words{"burin",
+                                 "toolpath",
+                                 (o.out / "scratches.csv").string(),
+                                 "--board",
+                                 spec.board.lexically_normal().string(),
+                                 "--bench",
+                                 spec.bench.lexically_normal().string()};
+  if (!o.machine.empty()) words.insert(words.end(), {"--machine", o.machine});
+  words.insert(words.end(), {"--out", (o.out / "board.gcode").string()});
+  report.next.push_back(words);
+  all.line("Wrote {}: look at preview-*.png; next: {}\n", o.out.string(), command_text(words));
+  return report;
+}
+
+}  // namespace
+
+DesignDone run_design(const DesignArguments& o) {
   DesignSpec spec = read_design(o.spec);
   if (!o.bench.empty()) spec.bench = o.bench;
   if (!o.board.empty()) spec.board = o.board;
@@ -179,9 +234,14 @@ void run(const DesignArguments& o) {
   DesignOptions options = o.design;
   options.iterations = o.iterations.value_or(usual_iterations(bench.crossings));
   options.start = o.start == "guided" ? Start::guided : Start::random;
+  for (const std::string& name : o.free) {
+    options.optimize_width = options.optimize_width || name == "width";
+    options.optimize_depth = options.optimize_depth || name == "depth";
+    options.optimize_alpha = options.optimize_alpha || name == "alpha";
+  }
   options.exposure_of = o.exposure == "view" ? ExposureOf::view : ExposureOf::light;
   if (!o.time.empty()) options.time_limit_s = duration_from_text(o.time, 1);
-  if (!o.carve_time.empty()) options.carve_hours = duration_from_text(o.carve_time, 3600) / 3600;
+  if (!o.carve_time.empty()) options.carve_hours = duration_from_text(o.carve_time) / 3600;
   if (!o.from.empty()) options.from = read_scratches(o.from);
   if (!o.machine.empty()) {
     options.carve_machine = machine_profile(o.machine);
@@ -228,52 +288,24 @@ void run(const DesignArguments& o) {
   bar.clear();
 
   for (std::size_t i = told; i < result.findings.size(); ++i) tell(result.findings[i]);
-  print_views(result);
-  for (std::size_t k = 0; k < result.tolerance.size(); ++k)
-    print_text("{}\n", tolerance_text(result.views[k].view, result.tolerance[k]));
-  print_text("loss {:.0f} -> {:.0f} in {}; {:.1f} s in all; {} of {} kept\n", result.history.front().loss,
-             result.final_loss, counted(result.history.size() - 1, "iteration"), result.total_seconds,
-             result.scratches.size() - result.carved, counted(result.started_with, "scratch"));
-  double mean_db = 0;
-  for (const DesignedView& v : result.views) mean_db += v.psnr_db / static_cast<double>(result.views.size());
-  if (const std::string line = quality.line(mean_db); !line.empty())
-    print_text("mean of the views, of {} px: {}\n", longer_side(result.views.front().shown), line);
-  if (const std::string dropped = dropped_text(result.dropped_by_rule); !dropped.empty())
-    print_text("left out because they could not obey the machine's and the board's limits: {}\n", dropped);
-  if (result.carved > 0)
-    print_text("{} new; {} carved already, which stay as they are (column \"carved\")\n",
-               counted(result.scratches.size() - result.carved, "scratch"), result.carved);
-  if (!result.curve.empty())
-    print_text("{:.2f} hours to carve on {}; what fewer would show: carving-curve.svg\n", result.curve.front().hours,
-               options.carve_machine.name);
-  if (result.width_um) print_text("width_um {:.1f}\n", *result.width_um);
-  if (result.depth_um) print_text("depth_um {:.2f}\n", *result.depth_um);
-  if (result.alpha) print_text("alpha {:.4f}\n", *result.alpha);
-  if (result.stopped_early)
-    print_text("Stopped early. Go on with: burin design {} --out {} --from {}{}\n", shell_word(o.spec.string()),
-               shell_word(o.out.string()), shell_word((o.out / "scratches.csv").string()), said_again(o));
-  if (is_in_round(o.out)) {
-    print_text("Wrote {}: look at preview-*.png.\n", o.out.string());
-    return;
-  }
-  print_text("Wrote {}: look at preview-*.png; next: burin toolpath {} --board {} --bench {}{} --out {}\n",
-             o.out.string(), shell_word((o.out / "scratches.csv").string()),
-             shell_word(spec.board.lexically_normal().string()), shell_word(spec.bench.lexically_normal().string()),
-             o.machine.empty() ? "" : " --machine " + shell_word(o.machine),
-             shell_word((o.out / "board.gcode").string()));
+  return {report_of(result, spec, options, quality, o), result.stopped_early};
 }
+
+namespace {
 
 // Lists the rarely used options from index `first` on below the others in the help.
 void set_seldom_ones_apart(CLI::App& command, std::size_t first) {
-  const std::set<std::string> often{"--scratches", "--time", "--pixels", "--carve-hours", "--from"};
+  const std::set<std::string> often{"--count", "--time", "--pixels", "--carve-time", "--from"};
   const std::vector<CLI::Option*> all = command.get_options();
   for (std::size_t i = first; i < all.size(); ++i)
-    if (!often.contains(all[i]->get_name())) all[i]->group("Options that are seldom needed");
+    if (!often.contains(all[i]->get_name())) all[i]->group(kSeldom);
 }
 
-void add_options(CLI::App& command, DesignArguments& o) {
+}  // namespace
+
+void add_design_options(CLI::App& command, DesignArguments& o) {
   const std::size_t first = command.get_options().size();
-  command.add_option("--scratches", o.scratches, "Start with this number of scratches [default: DESIGN.json's]")
+  command.add_option("--count", o.scratches, "Start with this number of scratches [default: DESIGN.json's]")
       ->check(CLI::Range(1, 2000000));
   command.add_option("--iterations", o.iterations,
                      "Run 0 to 1000000 optimizer iterations [default: 160; 70 if grooves cut]");
@@ -295,9 +327,8 @@ void add_options(CLI::App& command, DesignArguments& o) {
   command.add_option("--from", o.from, "Continue from these scratches (CSV) instead of a new start")->type_name(kFile);
   command.add_option("--carved", o.carved, "Design around existing grooves, given by their commanded positions (CSV)")
       ->type_name(kFile);
-  command.add_option(
-      "--start-length", o.design.start_length_mm,
-      "Set the scratches' mean initial length, mm; searches allow a tenth to ten times it [default: auto]");
+  add_length_option(command, "--start-length", o.design.start_length_mm,
+                    "Set the scratches' mean initial length; searches allow a tenth to ten times it [default: auto]");
   command
       .add_option("--start-light", o.design.start_light,
                   "Set the light that a scratch adds to a crossed pixel in a guided start, fraction of white")
@@ -346,47 +377,39 @@ void add_options(CLI::App& command, DesignArguments& o) {
   command.add_option("--exposure-of", o.exposure, "Give each view (eyes adapt) or each light an exposure of its own")
       ->check(CLI::IsMember({"light", "view"}))
       ->capture_default_str();
-  command.add_option("--tolerance-mm", o.design.tolerance_mm,
-                     "Design for off-axis viewpoints and lamps up to this distance, mm, and report the viewing zone");
+  add_length_option(command, "--tolerance", o.design.tolerance_mm,
+                    "Design for viewpoints and lamps off by up to this length, and report the viewing zone");
   command
-      .add_option("--carve-hours", o.carve_time,
-                  "Prune scratches until carving takes at most this time: hours, or 6h30min")
+      .add_option("--carve-time", o.carve_time,
+                  "Prune scratches until carving takes at most this time: 6h30min, or a number of seconds")
       ->check(wrong_duration);
   command.add_flag("--carve-curve", o.design.carve_curve,
-                   "Report quality over carving time; always on with --carve-hours");
+                   "Report quality over carving time; always on with --carve-time");
   command.add_flag("--report-tolerance", o.design.report_tolerance,
                    "Report the viewing zone of eye and lamp without designing for it");
+  add_length_option(command, "--depth", o.depth_um,
+                    "Set the depth of the new grooves, um or with a unit, for the tool path too [default: the bench's]",
+                    "um");
   command
-      .add_option("--depth", o.depth_um,
-                  "Set the depth of the new grooves, um, for the tool path too [default: the bench's]")
-      ->check(CLI::PositiveNumber);
-  command.add_flag("--free-width", o.design.optimize_width, "Optimize the cutter's width, one value for all scratches");
-  command.add_flag("--free-depth", o.design.optimize_depth, "Optimize the depth, one value for all scratches");
-  command.add_flag("--free-alpha", o.design.optimize_alpha,
-                   "Optimize the roughness alpha, one value for all scratches");
+      .add_option("--free", o.free,
+                  "Optimize the cutter's width, the depth or the roughness alpha, one value for all scratches; repeat")
+      ->take_all()
+      ->expected(1)
+      ->check(CLI::IsMember({"width", "depth", "alpha"}));
   command
       .add_option("--min-length", o.design.min_length,
                   "Set the shortest scratch, fraction of the board's longer edge, below 0.5")
       ->capture_default_str();
-  command.add_option("--max-length", o.design.max_length_mm, "Set the longest scratch, mm; 0: no limit")
-      ->capture_default_str();
+  add_length_option(command, "--max-length", o.design.max_length_mm, "Set the longest scratch; 0: no limit");
   command
       .add_option("--drop-error", o.design.drop_error,
                   "Prune the weakest scratches while the squared error rises by at most this share")
       ->capture_default_str();
   command.add_option("--drop-light", o.design.drop_light,
                      "Prune the weakest scratches that carry this share of the light, instead of --drop-error");
-  command.add_option("--drop-share,--drop-count", o.design.drop_share,
-                     "Prune this share of the scratches, 0 to 1 and not a count, instead of --drop-error");
+  command.add_option("--drop-share", o.design.drop_share,
+                     "Prune this share of the scratches, 0 to 1, instead of --drop-error");
   set_seldom_ones_apart(command, first);
-}
-
-}  // namespace
-
-std::shared_ptr<void> add_design_options(CLI::App& command) {
-  auto o = std::make_shared<DesignArguments>();
-  add_options(command, *o);
-  return o;
 }
 
 void add_design_command(CLI::App& burin) {
@@ -400,10 +423,10 @@ void add_design_command(CLI::App& burin) {
   c->add_option("--machine", o->machine,
                 "Obey limits and time of this machine: " + built_in_machines() +
                     ", or a burin/machine file (JSON or TOML) [default: grbl's time, no limits]");
-  add_options(*c, *o);
+  add_design_options(*c, *o);
   c->add_flag("--live", o->live, "Refresh the preview OUT/live.png during the run");
   c->footer(example("burin design design.json --out round-01"));
-  c->callback([o] { run(*o); });
+  c->callback([o] { print(run_design(*o).report); });
 }
 
 }  // namespace burin

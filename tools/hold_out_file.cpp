@@ -57,7 +57,7 @@ HoldOutFile read_hold_out(const std::filesystem::path& folder) {
   return out;
 }
 
-void write_hold_out(const HoldOutFile& held, const std::filesystem::path& folder) {
+Json to_json(const HoldOutFile& held) {
   Json json{{"format", "burin/hold-out"}, {"version", 1}};
   if (held.corners) {
     Json& corners = json["corners"];
@@ -80,7 +80,11 @@ void write_hold_out(const HoldOutFile& held, const std::filesystem::path& folder
                                 {"fit", fit_json(photo.fit)},
                                 {"held_out", fit_json(photo.held_out)}});
   }
-  write_json(json, folder / kName);
+  return json;
+}
+
+void write_hold_out(const HoldOutFile& held, const std::filesystem::path& folder) {
+  write_json(to_json(held), folder / kName);
 }
 
 std::string corners_in_words(const HeldOutCorners& corners) {

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "burin/base/files/json_file.h"
 #include "burin/calib/hold_out.h"
 
 namespace burin {
@@ -21,6 +22,9 @@ HoldOutFile read_hold_out(const std::filesystem::path& folder);
 
 /// Writes `folder`/hold-out.json.
 void write_hold_out(const HoldOutFile& held, const std::filesystem::path& folder);
+
+/// The content of hold-out.json.
+Json to_json(const HoldOutFile& held);
 
 /// Tables that the commands print: one line per photo and one for all photos, next to the fit.
 std::string corners_in_words(const HeldOutCorners& corners);

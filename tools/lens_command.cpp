@@ -109,21 +109,28 @@ LensSolution solve_without_strays(ChessboardViews& found, const Chessboard& boar
   }
 }
 
-void print_lens(const ChessboardViews& found, const LensSolution& s, bool bow) {
+void report_lens(const ChessboardViews& found, const LensSolution& s, bool bow, Report& report) {
   for (std::size_t v = 0; v < found.views.size(); ++v)
-    print_text("{:<24} {:4} corners, {:.3f} px RMS\n", found.views[v].name, found.views[v].q_px.size(),
-               s.view_rms_point_px[v]);
+    report.add("photos").line("{:<24} {:4} corners, {:.3f} px RMS\n", fact("photo", found.views[v].name),
+                              fact("corners", found.views[v].q_px.size()), fact("rms", s.view_rms_point_px[v], "px"));
   const auto sigma = [&](int i) { return std::sqrt(std::max(0.0, s.covariance(i, i))); };
-  print_text("lens     {}: focal lengths {:.3f} +- {:.3f} and {:.3f} +- {:.3f} px, center {:.2f}, {:.2f} px\n",
-             s.lens.model, s.lens.intrinsics[0], sigma(0), s.lens.intrinsics[1], sigma(1), s.lens.intrinsics[2],
-             s.lens.intrinsics[3]);
-  print_text("corners  {:.4f} px RMS a point, {:.4f} px per axis, in {}\n", s.rms_point_px, s.rms_px,
-             counted(found.views.size(), "photo"));
-  if (bow) print_text("board    bow {:.3f}, {:.3f}, {:.3f} mm\n", s.bow_mm[0], s.bow_mm[1], s.bow_mm[2]);
-  print_text("check    mrcal's own solver moves corners by {:.5f} px\n", s.check.max_shift_px);
+  report.in("lens").line(
+      "lens     {}: focal lengths {:.3f} +- {:.3f} and {:.3f} +- {:.3f} px, center {:.2f}, {:.2f} px\n",
+      fact("model", s.lens.model), fact("focal_x", s.lens.intrinsics[0], "px", sigma(0)), sigma(0),
+      fact("focal_y", s.lens.intrinsics[1], "px", sigma(1)), sigma(1),
+      fact("center_x", s.lens.intrinsics[2], "px", sigma(2)), fact("center_y", s.lens.intrinsics[3], "px", sigma(3)));
+  report.in("corners").line("corners  {:.4f} px RMS a point, {:.4f} px per axis, in {}\n",
+                            fact("rms_point", s.rms_point_px, "px"), fact("rms", s.rms_px, "px"),
+                            counted(found.views.size(), "photo"));
+  if (bow) {
+    report.all().set("bow", {s.bow_mm[0], s.bow_mm[1], s.bow_mm[2]}, "mm");
+    report.line("board    bow {:.3f}, {:.3f}, {:.3f} mm\n", s.bow_mm[0], s.bow_mm[1], s.bow_mm[2]);
+  }
+  report.in("check").line("check    mrcal's own solver moves corners by {:.5f} px\n",
+                          fact("largest_shift", s.check.max_shift_px, "px"));
 }
 
-void run(const LensArguments& options) {
+Report run(const LensArguments& options) {
   const WorkLock lock(options.out.parent_path(), "burin lens", WorkLock::Where::projects);
   Chessboard board;
   std::tie(board.columns, board.rows) = pair_of(options.chessboard, "--chessboard");
@@ -145,17 +152,20 @@ void run(const LensArguments& options) {
   all.put();
 
   for (const Finding& finding : found.findings) tell(finding);
-  print_lens(found, s, options.bow);
+  Report report;
+  report_lens(found, s, options.bow, report);
   const int parts = parts_covered(found.views, found.width, found.height);
-  print_text("coverage {} of 12 parts of the frame; {} shows every corner\n", parts, picture.string());
+  report.line("coverage {} of 12 parts of the frame; {} shows every corner\n", fact("parts_covered", parts),
+              fact("coverage_picture", picture.string()));
   constexpr int kFewParts = 10;
   if (parts < kFewParts)
     tell(make_warning("the corners of the frame are not covered: the lens is a guess there",
                       "add photos with the board in them"));
   for (const std::string& name : s.not_determined)
     tell(make_warning(name + " is hardly determined", "add photos with the board tilted, in different directions"));
-  print_text("Wrote {}; next: burin calibrate SESSION.json --camera {} --out DIR\n", options.out.string(),
-             shell_word(options.out.string()));
+  report.line("Wrote {}; next: burin calibrate SESSION.json --camera {} --out DIR\n", options.out.string(),
+              shell_word(options.out.string()));
+  return report;
 }
 
 }  // namespace
@@ -167,7 +177,7 @@ void add_lens_command(CLI::App& burin) {
       ->add_option("INPUT", options->input, "Read this folder of chessboard photos, or a corners.vnl of mrcal's tools")
       ->required();
   command->add_option("--chessboard", options->chessboard, "Set the number of inner corners, COLUMNSxROWS")->required();
-  command->add_option("--square-mm", options->square_mm, "Set the side length of a square, mm")
+  add_length_option(*command, "--square", options->square_mm, "Set the side length of a square")
       ->required()
       ->check(CLI::PositiveNumber);
   command->add_option("--out", options->out, "Write this .cameramodel, with a picture of the coverage next to it")
@@ -182,8 +192,8 @@ void add_lens_command(CLI::App& burin) {
       ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   command->add_flag("--bow", options->bow, "Solve for the chessboard's warp (three quadratic terms)");
-  command->footer(example("burin lens chessboard-photos --chessboard 9x6 --square-mm 25 --out camera.cameramodel"));
-  command->callback([options] { run(*options); });
+  command->footer(example("burin lens chessboard-photos --chessboard 9x6 --square 25 --out camera.cameramodel"));
+  command->callback([options] { print(run(*options)); });
 }
 
 }  // namespace burin

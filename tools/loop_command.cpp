@@ -1,7 +1,5 @@
 // burin loop - designs scratches for pictures, measures the bench from photos of the carved board, and designs a better
 // board. The work is in tools/loop: stages.h describes a project, turn.h runs it.
-#include <unistd.h>
-
 #include <filesystem>
 #include <iostream>
 #include <memory>
@@ -29,12 +27,13 @@ struct LoopArguments {
   LoopCommandLine said;
   LoopAnswers answers;
   std::vector<std::string> views, lamps;
+  bool dry_run = false;
 };
 
 // Asks once for the machine's reach. Without a user at the terminal, the tool path has a note about it.
 void ask_for_travel(LoopProject& loop, LoopCommandLine& said) {
   const MachineProfile machine = machine_of(loop.options, loop.project.folder);
-  const bool person = isatty(STDIN_FILENO) != 0 && isatty(STDOUT_FILENO) != 0;
+  const bool person = is_person_there();
   if (!person || machine.travel || machine.travel_is_unknown) return;
   Conversation talk{std::cin, std::cout};
   ask(talk,
@@ -54,6 +53,10 @@ void run(LoopArguments o) {
       fail((o.project.folder / file).string(), "a loop project needs this file",
            "see samples/small-bench for a complete project");
   require_own_files(o.project);
+  if (o.dry_run) {
+    print(dry_run({o.project, read_loop_options(o.project.folder)}, o.answers));
+    return;
+  }
   const WorkLock lock(o.project.folder, "burin loop");
   // Refuses a round that is a link out of the project, before any file moves.
   for (int round = 1; round <= o.project.rounds(); ++round) make_output_folder(o.project.round(round));
@@ -73,13 +76,15 @@ void add_loop_command(CLI::App& burin) {
   command->add_option("PROJECT_DIR", o->project.folder,
                       "Use this folder with board.json, design.json and a nominal bench.json [default: the working "
                       "directory's project]");
-  command->add_option("--again", o->answers.again,
+  command->add_option("--force", o->answers.again,
                       "Repeat this stage and its successors: design, toolpath, board, capture, calibrate, refine, "
                       "report, or round-02/refine");
-  command->add_flag("--keep", o->answers.keep,
+  command->add_flag("--allow-stale", o->answers.keep,
                     "Continue with outdated, edited, unfinished or unrecorded results as they are");
+  command->add_flag("--dry-run", o->dry_run,
+                    "List the stages that would be made, with the stored options; change nothing");
   command->add_flag("--another", o->answers.another, "Design another board although its expected gain is not visible");
-  command->add_option("--accept-unknown", o->answers.accept_unknown,
+  command->add_option("--allow-undetermined", o->answers.accept_unknown,
                       "Continue with this undetermined or weakly determined parameter: depth_um, alpha, machine.affine "
                       "or light.ID.position_mm");
   command->add_option("--view", o->views,
@@ -94,8 +99,8 @@ void add_loop_command(CLI::App& burin) {
   add_loop_options(*command, o->said);
   command->footer(
       example("burin loop samples/small-bench\n"
-              "  burin loop my-board --machine spring.toml --tolerance-mm 3 --chunks 30min\n"
-              "  burin loop my-board --again design"));
+              "  burin loop my-board --machine spring.toml --tolerance 3 --chunks 30min\n"
+              "  burin loop my-board --force design"));
   command->callback([o] { run(*o); });
 }
 

@@ -30,6 +30,7 @@
 #include "tools/new/pictures.h"
 #include "tools/new/project_files.h"
 #include "tools/new/words.h"
+#include "tools/standard_streams.h"
 
 namespace burin {
 namespace {
@@ -190,30 +191,43 @@ std::string as_said(const std::string& words) {
   return "";
 }
 
-void print_project(const NewArguments& o, const NewProject& project, const Eigen::Vector2d& area_mm) {
+void report_project(const NewArguments& o, const NewProject& project, const Eigen::Vector2d& area_mm, Report& report) {
   const LaidOutBench& bench = project.bench;
   const Board& board = bench.board;
   const double tag = board.tags.list.front().size_mm;
-  print_text(
+  Facts facts = report.in("board");
+  facts.set("size", {board.size_mm.x(), board.size_mm.y()}, "mm");
+  facts.set("picture_size", {area_mm.x(), area_mm.y()}, "mm");
+  facts.set("depth", board.material.depth_um, "um");
+  facts.set("tags", board.tags.list.size());
+  facts.set("tag_size", tag, "mm");
+  facts.set("family", board.tags.family);
+  report.line(
       "Board: {}{:g} x {:g} mm, pictures on {:g} x {:g} mm; {} tags {} of {:g} mm (paper {:.4g} mm), grooves {:g} um "
       "deep\n",
       as_said(o.board), board.size_mm.x(), board.size_mm.y(), area_mm.x(), area_mm.y(), board.tags.list.size(),
       board.tags.family, tag, 1.8 * tag, board.material.depth_um);
-  print_text("Camera: {}; from these places a tag is at least {:.0f} pixels wide\n", project.camera.in_words,
-             bench.tag_px);
-  print_text("Lamp: {}{}\n", as_said(o.lamp), place_in_words(bench.lamp_mm, board));
-  if (!o.stand.empty()) print_text("Eyes: {}{:g} mm away\n", as_said(o.stand), bench.stand_mm);
-  for (std::size_t k = 0; k < project.pictures.size(); ++k)
-    print_text("Eye for {}: {}\n", project.pictures[k].view,
-               place_in_words(camera_place_at(bench.eyes_mm[k], board, 0), board));
+  report.line("Camera: {}; from these places a tag is at least {:.0f} pixels wide\n",
+              fact("camera", project.camera.in_words), fact("tag_width", bench.tag_px, "px"));
+  report.all().set("lamp_position", to_json(bench.lamp_mm), "mm");
+  report.all().set("eye_distance", bench.stand_mm, "mm");
+  report.line("Lamp: {}{}\n", as_said(o.lamp), place_in_words(bench.lamp_mm, board));
+  if (!o.stand.empty()) report.line("Eyes: {}{:g} mm away\n", as_said(o.stand), bench.stand_mm);
+  for (std::size_t k = 0; k < project.pictures.size(); ++k) {
+    Facts view = report.add("views");
+    view.set("eye_position", to_json(bench.eyes_mm[k]), "mm");
+    view.set("picture", project.pictures[k].file.string());
+    view.line("Eye for {}: {}\n", fact("view", project.pictures[k].view),
+              place_in_words(camera_place_at(bench.eyes_mm[k], board, 0), board));
+  }
   bool other_shapes = false;
   for (const ChosenPicture& p : project.pictures) {
-    print_text("Picture {}\n", crop_in_words(p, area_mm));
+    report.line("Picture {}\n", crop_in_words(p, area_mm));
     other_shapes = other_shapes || has_other_shape(p, area_mm);
   }
   const std::string folder = project.folder.string();
   if (other_shapes)
-    print_text(
+    report.line(
         "         {} shows what is kept; --keep top, middle, bottom, left or right says what stays, --fit contain "
         "shows all (for each picture one word); or \"keep\" and \"fit\" in design.json\n",
         shell_word((project.folder / "crops.png").string()));
@@ -226,7 +240,7 @@ void print_project(const NewArguments& o, const NewProject& project, const Eigen
   was_usual(o.stand, "--stand", fmt::format("{:g}mm", bench.stand_mm).c_str());
   was_usual(o.lamp, "--lamp", kUsualLamp);
   was_usual(o.machine, "--machine", kMachine);
-  if (!usual.empty()) print_text("Not said, so taken: {}\n", usual);
+  if (!usual.empty()) report.line("Not said, so taken: {}\n", fact("defaults", usual));
 }
 
 // Number of grooves per picture that this size can use, limited to one day's carving.
@@ -235,9 +249,9 @@ int usual_scratches(std::size_t pictures) {
   return std::min(kMost, kEach * static_cast<int>(pictures));
 }
 
-void run(NewArguments o) {
+Report run(NewArguments o) {
   const bool incomplete = o.folder.empty() || o.pictures.empty();
-  const bool person = isatty(STDIN_FILENO) != 0 && isatty(STDOUT_FILENO) != 0;
+  const bool person = is_person_there();
   if (incomplete && !person)
     throw CLI::ValidationError(
         o.folder.empty() ? "DIR" : "--pictures",
@@ -269,7 +283,10 @@ void run(NewArguments o) {
   project.scratches = o.scratches > 0 ? o.scratches : usual_scratches(project.pictures.size());
   const Eigen::Vector2d area_mm = board.carve_max_mm - board.carve_min_mm;
   lay_pictures(o, person ? &talk : nullptr, area_mm, project.pictures);
-  print_project(o, project, area_mm);
+  Report report;
+  report_project(o, project, area_mm, report);
+  if (is_for_people()) say_text(report.text);  // before the preview
+  report.text.clear();
   for (const Finding& finding : project.bench.findings) tell(finding);
   for (const auto& [later, earlier] : same_pictures(project.pictures))
     tell(make_warning(fmt::format("{} and {} are the same picture, which would be shown to two places",
@@ -277,13 +294,15 @@ void run(NewArguments o) {
                       "name it once, if that is not meant"));
   const std::string preview = write_project(project);
   const std::string folder = shell_word(project.folder.string());
-  print_text("Preview: {}: {}\n", shell_word((project.folder / "preview.png").string()), preview);
-  print_text(
+  report.line("Preview: {}: {}\n", shell_word((project.folder / "preview.png").string()), fact("preview", preview));
+  report.line(
       "         burin view {} shows it in the hand, burin print {} prints the tags, burin sheet {} draws where to "
       "stand\n",
       folder, folder, folder);
-  print_text("Wrote {}, a board of {}; next: burin loop {}\n", project.folder.string(),
-             counted(project.pictures.size(), "picture"), folder);
+  report.next = {{"burin", "loop", project.folder.string()}};
+  report.line("Wrote {}, a board of {}; next: {}\n", project.folder.string(),
+              counted(project.pictures.size(), "picture"), command_text(report.next.front()));
+  return report;
 }
 
 }  // namespace
@@ -320,14 +339,13 @@ void add_new_command(CLI::App& burin) {
       ->type_name("WORD ...")
       ->expected(1, -1)
       ->check(CLI::IsMember({"top", "middle", "bottom", "left", "right"}));
-  c->add_option("--scratches", o->scratches,
-                "Start the design with this number of scratches [default: 4000 per picture]")
+  c->add_option("--count", o->scratches, "Start the design with this number of scratches [default: 4000 per picture]")
       ->check(CLI::Range(1, 2000000));
   c->footer(
       example("burin new my-board --board 200x150 --pictures a.jpg b.jpg c.jpg\n"
               "  burin new my-board --pictures a.jpg b.jpg --camera photo.jpg --stand 1.2m --lamp \"above 900mm\"\n"
               "  burin new"));
-  c->callback([o] { run(*o); });
+  c->callback([o] { print(run(*o)); });
 }
 
 }  // namespace burin

@@ -1,28 +1,28 @@
 #include "tools/output_mode.h"
 
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <atomic>
+#include <chrono>
 #include <cstdio>
 #include <filesystem>
-#include <memory>
-#include <string_view>
 #include <utility>
 
-#include "burin/base/error.h"
-#include "burin/base/files/json_file.h"
 #include "burin/base/files/named_paths.h"
 #include "tools/standard_streams.h"
-#include "tools/stop_signal.h"
 
 namespace burin {
 namespace {
 
-// The real standard output and error, for a thread that ends the process.
-std::atomic<int> real_descriptors[] = {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO};
+// What the process has said so far; the standard streams are the process's, too.
+struct Said {
+  OutputMode mode = OutputMode::words;
+  std::string command;
+  Json data = Json::object(), diagnostics = Json::array(), next = Json::array();
+  std::string last_stage;
+  std::chrono::steady_clock::time_point last_progress;
+} said;
 
 void write_whole(int descriptor, std::string_view text) {
   while (!text.empty()) {
@@ -32,90 +32,74 @@ void write_whole(int descriptor, std::string_view text) {
   }
 }
 
-// Redirects a file descriptor to an unnamed file until its restoration.
-class Caught {
- public:
-  Caught(std::FILE* stream, int descriptor)
-      : stream_(stream), descriptor_(descriptor), file_(std::tmpfile(), &std::fclose) {
-    std::fflush(stream_);
-    before_ = fcntl(descriptor_, F_DUPFD_CLOEXEC, 3);
-    real_descriptors[descriptor_] = before_;
-    if (!file_ || before_ < 0 || dup2(fileno(file_.get()), descriptor_) < 0)
-      fail("--json, --quiet", "what the command says cannot be caught", "make room in the folder for temporary files");
-  }
-  ~Caught() { give_back(); }
-  Caught(const Caught&) = delete;
-  Caught& operator=(const Caught&) = delete;
-
-  /// Restores the descriptor and returns the captured text.
-  std::string text() {
-    give_back();
-    std::rewind(file_.get());
-    std::string out;
-    char part[4096];
-    for (std::size_t n; (n = std::fread(part, 1, sizeof part, file_.get())) > 0;) out.append(part, n);
-    return out;
-  }
-
- private:
-  void give_back() {
-    if (before_ < 0) return;
-    std::fflush(stream_);
-    dup2(before_, descriptor_);
-    real_descriptors[descriptor_] = descriptor_;
-    close(before_);
-    before_ = -1;
-  }
-
-  std::FILE* stream_;
-  int descriptor_, before_ = -1;
-  std::unique_ptr<std::FILE, int (*)(std::FILE*)> file_;
-};
-
-std::vector<std::string> lines_of(const std::string& text) {
-  std::vector<std::string> lines;
-  for (std::size_t at = 0; at < text.size();) {
-    const std::size_t end = std::min(text.find('\n', at), text.size());
-    if (end > at) lines.push_back(text.substr(at, end - at));
-    at = end + 1;
-  }
-  return lines;
+std::string dumped(const Json& json, int indent) {
+  return json.dump(indent, ' ', false, Json::error_handler_t::replace);
 }
 
-std::string json_result;
+bool is_json() { return said.mode == OutputMode::json || said.mode == OutputMode::json_lines; }
 
-Json as_json(const std::vector<std::string>& arguments, int exit_code, const std::string& out, const std::string& err,
-             const std::vector<std::filesystem::path>& files) {
-  Json json;
-  json["burin"] = BURIN_VERSION;
-  if (const std::size_t at = place_of_command(arguments); at < arguments.size()) json["command"] = arguments[at];
-  json["exit_code"] = exit_code;
-  json["said"] = lines_of(out);
-  for (const char* list : {"notes", "warnings", "errors", "files"}) json[list] = Json::array();
-  for (const std::string& line : lines_of(err)) {
-    constexpr std::string_view kNote = "note: ", kWarning = "warning: ", kError = "error: ", kBurin = "burin: ";
-    if (line.starts_with(kNote))
-      json["notes"].push_back(line.substr(kNote.size()));
-    else if (line.starts_with(kWarning))
-      json["warnings"].push_back(line.substr(kWarning.size()));
-    else if (line.starts_with(kError))
-      json["errors"].push_back(line.substr(kError.size()));
-    else
-      json["errors"].push_back(line.starts_with(kBurin) ? line.substr(kBurin.size()) : line);
-  }
-  for (const std::filesystem::path& file : files) json["files"].push_back(file.string());
-  constexpr std::string_view kNext = "next: burin ";
-  if (const std::size_t at = out.rfind(kNext); at != std::string::npos) {
-    const std::size_t from = at + kNext.size() - std::string_view("burin ").size();
-    json["next"] = out.substr(from, out.find('\n', from) - from);
-  }
+void print_json_line(const Json& json) {
+  say_text(dumped(json, -1) + "\n");
+  std::fflush(stdout);
+}
+
+void add_diagnostic(const Json& diagnostic) {
+  said.diagnostics.push_back(diagnostic);
+  if (said.mode != OutputMode::json_lines) return;
+  Json line{{"event", "diagnostic"}};
+  line.update(diagnostic);
+  print_json_line(line);
+}
+
+Json diagnostic_json(const Finding& finding) {
+  Json json{{"severity", in_words(finding.severity)}};
+  if (!finding.file.empty()) json["file"] = finding.file.string();
+  json["message"] = finding.what;
+  if (!finding.remedy.empty()) json["remedy"] = finding.remedy;
   return json;
+}
+
+// "board.json: tags.list[3].size_mm" is a file and a field in it, "--lamp" a field of the command line.
+Json diagnostic_json(const InputError& error) {
+  Json json{{"severity", "error"}, {"code", name_of(error.code)}};
+  const std::size_t colon = error.where.find(": ");
+  const std::string first = error.where.substr(0, colon);
+  const std::filesystem::path path(first);
+  std::error_code ignored;
+  if (!first.starts_with("-") &&
+      (path.has_extension() || path.has_parent_path() || std::filesystem::exists(path, ignored)))
+    json["file"] = first;
+  else if (!first.empty())
+    json["field"] = first;
+  if (colon != std::string::npos) json["field"] = error.where.substr(colon + 2);
+  json["message"] = error.problem;
+  if (!error.remedy.empty()) json["remedy"] = error.remedy;
+  return json;
+}
+
+Json result_json(int exit_code, const Json& diagnostics) {
+  Json json{{"format", "burin/result"}, {"version", 2}, {"burin", BURIN_VERSION}};
+  if (!said.command.empty()) json["command"] = said.command;
+  json["exit_code"] = exit_code;
+  json["data"] = said.data;
+  json["diagnostics"] = diagnostics;
+  json["files"] = Json::array();
+  for (const std::filesystem::path& file : written_files()) json["files"].push_back(file.string());
+  json["next"] = said.next;
+  return json;
+}
+
+std::string result_text(const Json& result) {
+  if (said.mode == OutputMode::json) return dumped(result, 1) + "\n";
+  Json line{{"event", "result"}};
+  line.update(result);
+  return dumped(line, -1) + "\n";
 }
 
 }  // namespace
 
 std::size_t words_of_program_option(const std::string& word) {
-  for (const char* flag : {"--json", "--quiet", "--version"})
+  for (const char* flag : {"--json", "--json-lines", "--quiet", "--version", "--help-all"})
     if (word == flag) return 1;
   for (const std::string name : {"--threads", "--simd"})
     if (word == name || word.starts_with(name + "=")) return word == name ? 2 : 1;
@@ -132,55 +116,104 @@ std::size_t place_of_command(const std::vector<std::string>& arguments) {
 OutputMode take_output_mode(std::vector<std::string>& arguments) {
   OutputMode mode = OutputMode::words;
   for (std::size_t i = 0; i < arguments.size() && arguments[i].starts_with("--");) {
-    if (arguments[i] == "--json" || arguments[i] == "--quiet") {
-      mode = arguments[i] == "--json" ? OutputMode::json : OutputMode::quiet;
+    const std::string& word = arguments[i];
+    if (word == "--json" || word == "--json-lines" || word == "--quiet") {
+      mode = word == "--json" ? OutputMode::json : word == "--quiet" ? OutputMode::quiet : OutputMode::json_lines;
       arguments.erase(arguments.begin() + static_cast<std::ptrdiff_t>(i));
     } else {
-      i += std::max<std::size_t>(1, words_of_program_option(arguments[i]));
+      i += std::max<std::size_t>(1, words_of_program_option(word));
     }
   }
   return mode;
 }
 
-void say_at_the_end(OutputMode mode, const std::vector<std::string>& arguments, const std::string& sentence,
-                    int exit_code) {
-  const int err = real_descriptors[STDERR_FILENO];
-  if (mode == OutputMode::json) {
-    const Json json = as_json(arguments, exit_code, "", sentence + "\n", {});
-    write_whole(real_descriptors[STDOUT_FILENO], json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n");
+void begin_output(OutputMode mode, const std::vector<std::string>& arguments) {
+  said = {};
+  said.mode = mode;
+  if (const std::size_t at = place_of_command(arguments); at < arguments.size()) said.command = arguments[at];
+  if (mode == OutputMode::json && said.command == "watch") said.mode = OutputMode::json_lines;  // it goes on
+}
+
+Json to_json(const std::vector<Finding>& findings) {
+  Json list = Json::array();
+  for (const Finding& finding : findings) list.push_back(diagnostic_json(finding));
+  return list;
+}
+
+bool is_for_people() { return said.mode == OutputMode::words; }
+
+bool is_person_there() { return is_for_people() && isatty(STDIN_FILENO) == 1 && isatty(STDOUT_FILENO) == 1; }
+
+void print(const Report& report) {
+  if (is_for_people()) say_text(report.text);
+  said.data.update(report.data);
+  for (const std::vector<std::string>& words : report.next) said.next.push_back(words);
+  if (!report.failure) return;
+  std::fflush(stdout);
+  throw InputError(*report.failure);
+}
+
+void print_event(const std::string& event, const Json& data, const std::string& text) {
+  if (is_for_people()) {
+    say_text(text);
+    std::fflush(stdout);
+  }
+  if (!is_json()) return;
+  Json line{{"event", event}};
+  if (data.is_object()) line.update(data);
+  if (said.mode == OutputMode::json)
+    said.data["events"].push_back(line);
+  else
+    print_json_line(line);
+}
+
+void tell(const Finding& finding) {
+  if (is_json())
+    add_diagnostic(diagnostic_json(finding));
+  else
+    tell(std::string(in_words(finding.severity)) + ": " + sentence(finding) + "\n");
+}
+
+void note(const std::string& sentence) { tell(Finding{Finding::Severity::note, {}, sentence, ""}); }
+
+void tell_error(const InputError& error) {
+  if (is_json())
+    add_diagnostic(diagnostic_json(error));
+  else
+    tell(fmt::format("burin: {}\n", error.what()));
+}
+
+void tell_progress(std::string_view stage, double fraction) {
+  if (said.mode != OutputMode::json_lines) return;
+  const auto now = std::chrono::steady_clock::now();
+  if (stage == said.last_stage && now - said.last_progress < std::chrono::milliseconds(100)) return;
+  said.last_stage = stage;
+  said.last_progress = now;
+  print_json_line({{"event", "progress"}, {"stage", stage}, {"fraction", fraction}});
+}
+
+void end_output(int exit_code, const std::string& text) {
+  if (!is_json()) {
+    say_text(text);
     return;
   }
-  if (isatty(err) == 1) write_whole(err, "\r\x1b[K");  // clears a progress bar
-  write_whole(err, "burin: " + sentence + "\n");
+  if (!text.empty()) said.data["text"] = text;
+  say_text(result_text(result_json(exit_code, said.diagnostics)));
 }
 
-void set_json_result(std::string json) { json_result = std::move(json); }
+void say_at_the_end(const std::string& sentence, int exit_code) {
+  if (is_json()) {
+    const Json stopped = diagnostic_json(InputError(ErrorCode::stopped, "", sentence, ""));
+    write_whole(STDOUT_FILENO, result_text(result_json(exit_code, Json::array({stopped}))));
+    return;
+  }
+  if (isatty(STDERR_FILENO) == 1) write_whole(STDERR_FILENO, "\r\x1b[K");  // clears a progress bar
+  write_whole(STDERR_FILENO, "burin: " + sentence + "\n");
+}
 
 void say_meanwhile(const std::string& sentence) {
-  const int err = real_descriptors[STDERR_FILENO];
-  write_whole(err, (isatty(err) == 1 ? "\r\x1b[K" : "") + ("note: " + sentence + "\n"));
-}
-
-int run_in_mode(OutputMode mode, const std::vector<std::string>& arguments, const std::function<int()>& work) {
-  if (mode == OutputMode::words) return work();
-  std::string out, err;
-  int exit_code = 0;
-  {
-    Caught caught_out(stdout, STDOUT_FILENO), caught_err(stderr, STDERR_FILENO);
-    exit_code = work();
-    out = caught_out.text();
-    err = caught_err.text();
-  }
-  take_last_word();
-  if (mode == OutputMode::quiet)
-    tell(err);
-  else if (exit_code == 0 && !json_result.empty())
-    fmt::print("{}\n", json_result);
-  else
-    fmt::print(
-        "{}\n",
-        as_json(arguments, exit_code, out, err, written_files()).dump(1, ' ', false, Json::error_handler_t::replace));
-  return exit_code;
+  if (!is_for_people()) return;
+  write_whole(STDERR_FILENO, (isatty(STDERR_FILENO) == 1 ? "\r\x1b[K" : "") + ("note: " + sentence + "\n"));
 }
 
 }  // namespace burin

@@ -33,19 +33,26 @@ namespace burin {
 namespace {
 
 // Before the first photos, the depth is an assumption: prints the plan's results for other depths.
-void print_depths(const Plan& plan) {
+void report_depths(const Plan& plan, Report& report) {
   const auto at = [&](const std::string& name) {
     return static_cast<std::size_t>(std::find_if(plan.parameters.begin(), plan.parameters.end(),
                                                  [&](const PlanParameter& p) { return p.name == name; }) -
                                     plan.parameters.begin());
   };
   const std::size_t depth = at(parameter::kDepth), alpha = at(parameter::kAlpha);
-  print_text("\nIf the grooves are not as deep as believed, after all shots:\n");
-  for (const PlanAtDepth& d : plan.at_depth)
-    print_text("  {:>5.1f} um: depth to {} %, alpha to {} %{}\n", d.depth_um, significant(d.sigma[depth]),
-               significant(d.sigma[alpha]), d.straddles ? "" : "; the depth stays unknown");
+  report.line("\nIf the grooves are not as deep as believed, after all shots:\n");
+  for (const PlanAtDepth& d : plan.at_depth) {
+    Facts at_depth = report.add("at_depth");
+    at_depth.set("depth_sigma", d.sigma[depth], "%");
+    at_depth.set("alpha_sigma", d.sigma[alpha], "%");
+    at_depth.set("depth_determined", d.straddles);
+    at_depth.line("  {:>5.1f} um: depth to {} %, alpha to {} %{}\n", fact("depth", d.depth_um, "um"),
+                  significant(d.sigma[depth]), significant(d.sigma[alpha]),
+                  d.straddles ? "" : "; the depth stays unknown");
+  }
+  report.all().set("depth_determined", plan.straddles);
   if (plan.straddles) return;
-  print_text(
+  report.line(
       "The depth of the grooves stays unknown{}: with this lamp no place has half vectors on both sides of the "
       "grooves' "
       "cut-off. Put the lamp further to the side, or give --lamp-places 2.\n",
@@ -54,36 +61,49 @@ void print_depths(const Plan& plan) {
           : "");
 }
 
-void print_plan(const Plan& plan, const Board& board) {
-  print_text("Board on the table, its lower edge towards you; mm above the face, and from the edges.\n");
+void report_plan(const Plan& plan, const Board& board, Report& report) {
+  report.line("Board on the table, its lower edge towards you; mm above the face, and from the edges.\n");
   std::size_t lamp = plan.bench.lights.size();
   for (std::size_t i = 0; i < plan.shots.size(); ++i) {
     const PlannedShot& shot = plan.shots[i];
+    const Light& of = plan.bench.lights[shot.light];
+    Facts facts = report.add("shots");
+    facts.set("view", shot.view);
+    facts.set("lamp", of.id);
+    facts.set("lamp_position", to_json(of.position_mm), "mm");
+    facts.set("place", place_in_words(shot.camera, board));
     if (shot.light != lamp) {
       lamp = shot.light;
       const Light& light = plan.bench.lights[lamp];
-      print_text("     lamp \"{}\" {}\n", light.id, place_in_words(light.position_mm, board));
+      report.line("     lamp \"{}\" {}\n", light.id, place_in_words(light.position_mm, board));
     }
-    print_text("{:3}. {}{}\n     {}\n", i + 1, shot.view.empty() ? "" : "view \"" + shot.view + "\" of the design: ",
-               place_in_words(shot.camera, board), exposures_in_words(plan, shot));
+    report.line("{:3}. {}{}\n     {}\n", i + 1, shot.view.empty() ? "" : "view \"" + shot.view + "\" of the design: ",
+                place_in_words(shot.camera, board), exposures_in_words(plan, shot));
   }
   // Sigmas by number of shots: at most six columns.
   std::vector<std::size_t> columns;
   for (const double share : {0., 0.1, 0.25, 0.5, 0.75, 1.})
     columns.push_back(static_cast<std::size_t>(std::lround(share * static_cast<double>(plan.shots.size() - 1))));
   columns.erase(std::unique(columns.begin(), columns.end()), columns.end());
-  print_text("\nExpected sigma after {:>13}", "no shot");
-  for (const std::size_t c : columns) print_text("{:>9}", c + 1);
-  print_text("  shots; good enough\n");
+  report.line("\nExpected sigma after {:>13}", "no shot");
+  for (const std::size_t c : columns) report.line("{:>9}", c + 1);
+  report.line("  shots; good enough\n");
   for (std::size_t p = 0; p < plan.parameters.size(); ++p) {
     const PlanParameter& parameter = plan.parameters[p];
+    Facts facts = report.add("parameters");
+    facts.set("parameter", parameter.name);
+    facts.set("goal", parameter.goal, in_words(parameter.unit));
+    facts.set("before", parameter.before, in_words(parameter.unit));
+    std::vector<double> after;
+    for (const PlannedShot& shot : plan.shots) after.push_back(shot.sigma[p]);
+    facts.set("after_shot", after, in_words(parameter.unit));
     const std::string name =
         parameter.unit == Unit::none ? parameter.name : fmt::format("{}, {}", parameter.name, in_words(parameter.unit));
-    print_text("  {:<26}{:>6}", name, significant(parameter.before, 3));
-    for (const std::size_t c : columns) print_text("{:>9}", significant(plan.shots[c].sigma[p]));
-    print_text("{:>12}\n", significant(parameter.goal));
+    report.line("  {:<26}{:>6}", name, significant(parameter.before, 3));
+    for (const std::size_t c : columns) report.line("{:>9}", significant(plan.shots[c].sigma[p]));
+    report.line("{:>12}\n", significant(parameter.goal));
   }
-  print_depths(plan);
+  report_depths(plan, report);
 }
 
 // Default bench of a plan: a 50 mm lens on 24 x 36 mm with 6000 x 4000 pixels. Its lamp is beyond the upper edge, one
@@ -176,10 +196,10 @@ struct PlanArguments {
   PlanOptions plan;
   double focus_mm = 0;
   std::string focus_range;
-  bool camera_as_seed = false;
+  std::vector<std::string> free;
 };
 
-void run(const PlanArguments& arguments) {
+Report run(const PlanArguments& arguments) {
   std::optional<WorkLock> lock;
   if (!arguments.out.empty()) lock.emplace(arguments.out, "burin plan", WorkLock::Where::new_folders);
   // A project's board.json alone stands for the project, which knows the bench.
@@ -193,7 +213,7 @@ void run(const PlanArguments& arguments) {
   PlanOptions plan_options = arguments.plan;
   if (!arguments.camera.empty()) {
     in.bench.lens = read_cameramodel(arguments.camera);
-    plan_options.fix_lens = !arguments.camera_as_seed;
+    plan_options.fix_lens = arguments.free.empty();
   }
   if (!arguments.lamps.empty()) put_lamps(arguments.lamps, in.board, in.bench);
   const std::filesystem::path file = arguments.scratches.empty() ? in.scratches : arguments.scratches;
@@ -216,8 +236,9 @@ void run(const PlanArguments& arguments) {
   const Plan plan = plan_shots(in.board, in.bench, sent, plan_options, bar.progress());
   bar.clear();
   for (const Finding& finding : focus_findings(plan, focus)) tell(finding);
-  print_text("{}\n", focus_in_words(focus));
-  print_plan(plan, in.board);
+  Report report;
+  report.line("{}\n", fact("focus", focus_in_words(focus)));
+  report_plan(plan, in.board, report);
   std::string next = "take these photos; next: burin capture PHOTOS_DIR --board " + shell_word(in.board_file.string());
   if (!in.bench_file.empty()) next += " --bench " + shell_word(in.bench_file.string());
   next += " --out DIR";
@@ -227,16 +248,18 @@ void run(const PlanArguments& arguments) {
                                           file_name_of(in.designed.front().light) + " and so on)"
                                     : "") +
            "; next: burin loop " + shell_word(folder.string());
+  if (in.is_project) report.next.push_back({"burin", "loop", folder.string()});
   if (arguments.out.empty()) {
-    print_text("Planned {} (--out DIR keeps the plan and draws it): {}\n", counted(plan.shots.size(), "shot"), next);
-    return;
+    report.line("Planned {} (--out DIR keeps the plan and draws it): {}\n", counted(plan.shots.size(), "shot"), next);
+    return report;
   }
   make_output_folder(arguments.out);
   FilesTogether all;
   write_text(plan_text(plan, in.board, focus, arguments.out / "plan.json"), arguments.out / "plan.json");
   write_text(plan_drawing(plan, in.board), arguments.out / "plan.svg");
   all.put();
-  print_text("Wrote {}, plan.svg shows where to stand: {}\n", (arguments.out / "plan.json").string(), next);
+  report.line("Wrote {}, plan.svg shows where to stand: {}\n", (arguments.out / "plan.json").string(), next);
+  return report;
 }
 
 }  // namespace
@@ -252,9 +275,8 @@ void add_plan_command(CLI::App& burin) {
       "Use lens and lamps of this setup (bench.json) [default: the project's, else 50 mm lens, lamp above]");
   command->add_option("--design", options->design,
                       "Plan the views of this design.json first, and focus on them [default: the project's]");
-  command
-      ->add_option("--focus-mm", options->focus_mm,
-                   "Focus the lens at this distance, mm [default: the views of the design or bench]")
+  add_length_option(*command, "--focus", options->focus_mm,
+                    "Focus the lens at this distance [default: the views of the design or bench]")
       ->check(CLI::PositiveNumber);
   command->add_option(
       "--focus-range", options->focus_range,
@@ -264,8 +286,10 @@ void add_plan_command(CLI::App& burin) {
   auto* camera = command->add_option("--camera", options->camera,
                                      "Use this lens (.cameramodel) and keep it fixed [default: the bench's]");
   command
-      ->add_flag("--camera-as-seed", options->camera_as_seed,
-                 "Plan for a calibration that also solves for the lens of --camera")
+      ->add_option("--free", options->free, "Plan for a calibration that also solves for the lens (lens) of --camera")
+      ->take_all()
+      ->expected(1)
+      ->check(CLI::IsMember({"lens"}))
       ->needs(camera);
   command
       ->add_option("--lamp", options->lamps,
@@ -281,7 +305,7 @@ void add_plan_command(CLI::App& burin) {
       ->check(CLI::Range(1, 12));
   command->add_option("--out", options->out, "Write plan.json and plan.svg to this folder [default: print only]");
   command->footer(example("burin plan board.json --bench bench.json --design design.json --shots 8 --out plan"));
-  command->callback([options] { run(*options); });
+  command->callback([options] { print(run(*options)); });
 }
 
 }  // namespace burin

@@ -71,7 +71,7 @@ PlanFocus plan_focus(const Board& board, const Bench& bench, const std::vector<D
     // With the focus in the middle of 1/d, both ends have the same blur.
     if (!(focus_mm > 0)) out.distance_mm = 2 / (1 / out.range.near_mm + 1 / out.range.far_mm);
     if (!out.range.holds(out.distance_mm))
-      fail("--focus-mm", fmt::format("{:g} mm lies outside of --focus-range {}", focus_mm, range),
+      fail("--focus", fmt::format("{:g} mm lies outside of --focus-range {}", focus_mm, range),
            "give a focus within the range, or one of both only");
     return out;
   }

@@ -37,7 +37,7 @@ std::string pages_text(std::size_t first, std::size_t count, const std::string& 
                     : fmt::format("  pages {} to {}: {}\n", first, first + count - 1, what);
 }
 
-void run(PrintArguments options) {
+Report run(PrintArguments options) {
   options.project = project_folder(options.project, "PROJECT");
   const fs::path file = fs::is_directory(options.project) ? options.project / "board.json" : options.project;
   const Board board = read_board(file);
@@ -69,10 +69,9 @@ void run(PrintArguments options) {
   }
   if (!options.no_chessboard) {
     const ChessboardPage board_page = chessboard_page(setup);
-    told +=
-        pages_text(pages.size() + 1, 1,
-                   fmt::format("a chessboard for a lens of your own (burin lens --chessboard {}x{} --square-mm {:g})",
-                               board_page.columns, board_page.rows, board_page.square_mm));
+    told += pages_text(pages.size() + 1, 1,
+                       fmt::format("a chessboard for a lens of your own (burin lens --chessboard {}x{} --square {:g})",
+                                   board_page.columns, board_page.rows, board_page.square_mm));
     pages.push_back(board_page.page.drawing);
   }
   if (out.has_parent_path()) make_output_folder(out.parent_path());
@@ -83,14 +82,17 @@ void run(PrintArguments options) {
                       options.paper       ? ""
                       : usual.why.empty() ? fmt::format(" (else: --paper {})", other)
                                           : fmt::format(" ({}; else: --paper {})", usual.why, other));
-  print_text("{}", told);
+  Report report;
+  report.data = {
+      {"tags", tags.tags.size()}, {"family", board.tags.family}, {"pages", pages.size()}, {"paper", setup.paper.name}};
+  report.line("{}", told);
   std::string again = "burin print " + shell_word(options.project.string());
   if (!options.out.empty()) again += " --out " + shell_word(options.out.string());
   if (options.paper) again += " --paper " + *options.paper;
   if (options.no_template) again += " --no-template";
   if (options.no_chessboard) again += " --no-chessboard";
   if (is_compensated(setup))
-    print_text(
+    report.line(
         "Wrote {}, with sizes put right for a printer whose ruler measured {:g} mm: print it with the same settings; "
         "its rulers must now measure 100 mm (if they measure L: {} --ruler-measured {:g} x L{})\n",
         out.string(), setup.across_mm, again, setup.across_mm / 100,
@@ -98,9 +100,10 @@ void run(PrintArguments options) {
             ? ""
             : fmt::format(" --upright-ruler-measured {:g} x L", setup.upright_mm / 100));
   else
-    print_text(
+    report.line(
         "Wrote {}: print it at 100 %, and measure its rulers; if 100 mm are not 100 mm: {} --ruler-measured MM\n",
         out.string(), again);
+  return report;
 }
 
 }  // namespace
@@ -121,7 +124,7 @@ void add_print_command(CLI::App& burin) {
   command->add_flag("--no-template", options->no_template, "Omit the pages that show the tags' placement");
   command->add_flag("--no-chessboard", options->no_chessboard, "Omit the chessboard");
   command->footer(example("burin print my-board --out tags.pdf --paper a4"));
-  command->callback([options] { run(*options); });
+  command->callback([options] { print(run(*options)); });
 }
 
 }  // namespace burin

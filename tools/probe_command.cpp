@@ -29,7 +29,7 @@ struct ProbeArguments {
   double spacing_mm = 15;
 };
 
-void write_probing(ProbeArguments options, const CLI::App& command) {
+Report write_probing(ProbeArguments options, const CLI::App& command) {
   if (options.out != "-" && !has_gcode_name(options.out))
     fail(options.out.string(), "is no name of G-code",
          "give the output another name, which ends in .gcode, .nc, .ngc, .cnc or .tap");
@@ -50,18 +50,22 @@ void write_probing(ProbeArguments options, const CLI::App& command) {
   bar.clear();
   for (const Finding& finding : reach_findings(machine)) tell(finding);
   const Eigen::Vector2d& first = plan.points_mm.front();
-  print_text("touches the face at {}, X{:.2f} Y{:.2f} first and last, and sets Z zero there\n",
-             counted(plan.points_mm.size() - 1, "point"), first.x(), first.y());
+  Report report;
+  report.data["points"] = plan.points_mm.size() - 1;
+  report.all().set("first", {first.x(), first.y()}, "mm");
+  report.line("touches the face at {}, X{:.2f} Y{:.2f} first and last, and sets Z zero there\n",
+              counted(plan.points_mm.size() - 1, "point"), first.x(), first.y());
   const bool linuxcnc = machine.dialect == GcodeDialect::linuxcnc;
-  print_text("Wrote {}: try the probe's contact by hand, run it, {}; then: burin probe read {} --probed {} --out {}\n",
-             options.out.string(),
-             linuxcnc ? "and fetch burin-probe.txt, which LinuxCNC writes into the folder of its configuration"
-                      : "and save the whole serial log",
-             linuxcnc ? "burin-probe.txt" : "SERIAL_LOG", shell_word(options.out.string()),
-             shell_word((options.out.parent_path() / "heights.json").string()));
+  report.line("Wrote {}: try the probe's contact by hand, run it, {}; then: burin probe read {} --probed {} --out {}\n",
+              options.out.string(),
+              linuxcnc ? "and fetch burin-probe.txt, which LinuxCNC writes into the folder of its configuration"
+                       : "and save the whole serial log",
+              linuxcnc ? "burin-probe.txt" : "SERIAL_LOG", shell_word(options.out.string()),
+              shell_word((options.out.parent_path() / "heights.json").string()));
+  return report;
 }
 
-void read_heights_of(const ProbeArguments& options) {
+Report read_heights_of(const ProbeArguments& options) {
   ProgressBar bar;
   bar.progress()("reading the log", 0);
   const ProbedHeights probed =
@@ -70,12 +74,15 @@ void read_heights_of(const ProbeArguments& options) {
   for (const Finding& finding : probed.findings) tell(finding);
   write_heights(probed.map, options.out);
   const auto points = std::count(probed.map.probed.begin(), probed.map.probed.end(), true);
-  print_text("{} points, {:.1f} um from the lowest to the highest; the zero moved by {:.1f} um meanwhile\n", points,
-             1e3 * range_mm(probed.map), 1e3 * probed.map.drift_mm);
-  print_text(
+  Report report;
+  report.line("{} points, {:.1f} um from the lowest to the highest; the zero moved by {:.1f} um meanwhile\n",
+              fact("points", points), fact("range", 1e3 * range_mm(probed.map), "um"),
+              fact("drift", 1e3 * probed.map.drift_mm, "um"));
+  report.line(
       "Wrote {}: keep Z zero as it is; then: burin toolpath SCRATCHES.csv --board BOARD.json --heights {} --out "
       "board.gcode\n",
       options.out.string(), shell_word(options.out.string()));
+  return report;
 }
 
 }  // namespace
@@ -95,18 +102,18 @@ void add_probe_command(CLI::App& burin) {
                    "Use this machine instead of the project's: " + built_in_machines() +
                        ", or a burin/machine file (JSON or TOML)")
       ->capture_default_str();
-  write->add_option("--spacing", options->spacing_mm, "Set the approximate spacing of the grid, mm")
+  add_length_option(*write, "--spacing", options->spacing_mm, "Set the approximate spacing of the grid")
       ->capture_default_str();
   write->add_option("--out", options->out, "Write the G-code to this file")->required();
   write->footer(example("burin probe write board.json --machine grbl --out probe.gcode"));
-  write->callback([options, write] { write_probing(*options, *write); });
+  write->callback([options, write] { print(write_probing(*options, *write)); });
   CLI::App* read = probe->add_subcommand("read", "Convert the controller's log of a probing file into a height map");
   read->add_option("LOG", options->log, "Read grbl's serial log, or the file that LinuxCNC's PROBEOPEN wrote")
       ->required();
   read->add_option("--probed", options->probed, "Read the probing G-code that the machine ran")->required();
   read->add_option("--out", options->out, "Write the height map to this file (heights.json)")->required();
   read->footer(example("burin probe read serial.log --probed probe.gcode --out heights.json"));
-  read->callback([options] { read_heights_of(*options); });
+  read->callback([options] { print(read_heights_of(*options)); });
   add_probe_light(*probe);
 }
 

@@ -88,36 +88,44 @@ std::filesystem::path beside(const std::filesystem::path& file, const std::strin
   return file.parent_path() / (file.stem().string() + ending);
 }
 
-void print_probe(const LightProbe& p, bool with_bench) {
-  print_text(
-      "ball     {:.2f} +- {:.2f} mm wide, middle at {:.2f}, {:.2f}, {:.2f} mm: {}\n", 2 * p.ball.radius_mm,
-      2 * p.radius_sigma_mm, p.ball.center_mm.x(), p.ball.center_mm.y(), p.ball.center_mm.z(),
-      std::abs(p.ball.center_mm.z() - p.ball.radius_mm) < 0.5
-          ? "it stands on the face"
-          : fmt::format("its lowest point is {:.1f} mm above the face", p.ball.center_mm.z() - p.ball.radius_mm));
-  print_text("photos   {:>10} {:>9} {:>6} {:>9} {:>12} {:>10} {:>9}\n", "place", "exposures", "tags", "residual",
-             "ball, wide", "outline", "residual");
+void report_probe(const LightProbe& p, bool with_bench, Report& report) {
+  Facts ball = report.in("ball");
+  ball.set("diameter", 2 * p.ball.radius_mm, "mm", 2 * p.radius_sigma_mm);
+  ball.set("center", {p.ball.center_mm.x(), p.ball.center_mm.y(), p.ball.center_mm.z()}, "mm");
+  ball.set("reflectance", {p.reflectance.x(), p.reflectance.y(), p.reflectance.z()});
+  ball.set("reflectance_by_paper", p.reflectance_by_paper);
+  ball.line("ball     {:.2f} +- {:.2f} mm wide, middle at {:.2f}, {:.2f}, {:.2f} mm: {}\n", 2 * p.ball.radius_mm,
+            2 * p.radius_sigma_mm, p.ball.center_mm.x(), p.ball.center_mm.y(), p.ball.center_mm.z(),
+            std::abs(p.ball.center_mm.z() - p.ball.radius_mm) < 0.5
+                ? "it stands on the face"
+                : fmt::format("its lowest point is {:.1f} mm above the face", p.ball.center_mm.z() - p.ball.radius_mm));
+  report.line("photos   {:>10} {:>9} {:>6} {:>9} {:>12} {:>10} {:>9}\n", "place", "exposures", "tags", "residual",
+              "ball, wide", "outline", "residual");
   for (const ProbePlace& place : p.places)
-    print_text("         {:>10} {:>9} {:>6} {:>6.2f} px {:>9.0f} px {:>8.0f} % {:>6.2f} px\n", place.view,
-               place.exposures, place.tags, place.tags_rms_px, 2 * place.radius_px, 100 * place.outline_found,
-               place.outline_rms_px);
-  print_text(
+    report.add("places").line("         {:>10} {:>9} {:>6} {:>6.2f} px {:>9.0f} px {:>8.0f} % {:>6.2f} px\n",
+                              fact("view", place.view), fact("exposures", place.exposures), fact("tags", place.tags),
+                              fact("tags_rms", place.tags_rms_px, "px"), fact("width", 2 * place.radius_px, "px"),
+                              fact("outline_found", 100 * place.outline_found, "%"),
+                              fact("outline_rms", place.outline_rms_px, "px"));
+  if (p.places.size() > 1) report.data["agreement"] = p.agreement;
+  report.line(
       "angles   +- {:.2f} degrees, many directions together; a pixel in the ball's middle spans {:.2f} degrees{}\n",
-      p.direction_sigma_deg, p.pixel_deg,
+      fact("direction_sigma", p.direction_sigma_deg, "deg"), fact("pixel", p.pixel_deg, "deg"),
       p.places.size() > 1 ? fmt::format("; places agree (correlation {:.2f})", p.agreement) : "");
-  print_text(
+  report.line(
       "seen     {:.1f} % of the directions above the face; {:.1f} % past the photographer only, {:.2f} % clipped\n",
-      100 * p.seen_share, 100 * p.photographer_share, 100 * p.clipped_share);
+      fact("seen", 100 * p.seen_share, "%"), fact("photographer", 100 * p.photographer_share, "%"),
+      fact("clipped", 100 * p.clipped_share, "%"));
   if (p.reflectance_by_paper)
-    print_text(
+    report.line(
         "scale    the ball reflects {:.3f}, {:.3f}, {:.3f} (red, green, blue) by the tags' paper, whose pieces "
         "differ by {:.1f} %\n",
-        p.reflectance.x(), p.reflectance.y(), p.reflectance.z(), 100 * p.paper_spread);
+        p.reflectance.x(), p.reflectance.y(), p.reflectance.z(), fact("paper_spread", 100 * p.paper_spread, "%"));
   else
-    print_text("scale    the ball reflects {:.3f}, {:.3f}, {:.3f} (red, green, blue), as told or assumed\n",
-               p.reflectance.x(), p.reflectance.y(), p.reflectance.z());
-  print_text("         light in units of {}, by exposure time, ISO and aperture\n",
-             with_bench ? "the bench's lamps (its sensor.gain)" : "this camera (no bench was given)");
+    report.line("scale    the ball reflects {:.3f}, {:.3f}, {:.3f} (red, green, blue), as told or assumed\n",
+                p.reflectance.x(), p.reflectance.y(), p.reflectance.z());
+  report.line("         light in units of {}, by exposure time, ISO and aperture\n",
+              with_bench ? "the bench's lamps (its sensor.gain)" : "this camera (no bench was given)");
 }
 
 void write_probe(const LightProbe& probe, const std::filesystem::path& out) {
@@ -128,7 +136,7 @@ void write_probe(const LightProbe& probe, const std::filesystem::path& out) {
   all.put();
 }
 
-void probe_room(const ProbeLightArguments& options) {
+Report probe_room(const ProbeLightArguments& options) {
   if (lower_extension(options.out) != ".exr")
     fail(options.out.string(), "is no name of an EXR file", "write --out room.exr");
   const Board board = read_board(options.board);
@@ -158,10 +166,15 @@ void probe_room(const ProbeLightArguments& options) {
   bar.clear();
   for (const Finding& finding : probe.findings) tell(finding);
   write_probe(probe, options.out);
-  print_probe(probe, bench.has_value());
+  Report report;
+  report_probe(probe, bench.has_value(), report);
   const Eigen::Vector3d& d = probe.brightest.direction;
   const double azimuth = std::fmod(std::atan2(d.y(), d.x()) * 180 / std::numbers::pi + 360, 360);
-  print_text(
+  Facts brightest = report.in("brightest");
+  brightest.set("azimuth", azimuth, "deg");
+  brightest.set("elevation", std::asin(std::clamp(d.z(), -1.0, 1.0)) * 180 / std::numbers::pi, "deg");
+  brightest.set("share", 100 * probe.brightest.irradiance_share, "%");
+  report.line(
       "Wrote {}, {} and {}: {:.1f} % of the directions above the face seen, brightest at azimuth {:.1f}, elevation "
       "{:.1f} degrees ({:.0f} % of the face's light); add {{ \"id\": \"room\", \"surroundings\": {{ \"picture\": "
       "\"{}\", "
@@ -171,6 +184,7 @@ void probe_room(const ProbeLightArguments& options) {
       options.out.string(), beside(options.out, "-seen.png").string(), beside(options.out, "-look.png").string(),
       100 * probe.seen_share, azimuth, std::asin(std::clamp(d.z(), -1.0, 1.0)) * 180 / std::numbers::pi,
       100 * probe.brightest.irradiance_share, options.out.filename().string());
+  return report;
 }
 
 }  // namespace
@@ -188,7 +202,7 @@ void add_probe_light(CLI::App& probe) {
                     "Use lens, tags and units of light of this bench.json, measured at the same zoom and focus");
   light->add_option("--camera", options->camera,
                     "Use this lens (.cameramodel) [default: the bench's, else solved from three or more places]");
-  light->add_option("--ball-mm", options->ball_mm, "Set the ball's diameter, mm [default: estimated from its outline]")
+  add_length_option(*light, "--ball", options->ball_mm, "Set the ball's diameter [default: estimated from its outline]")
       ->check(CLI::PositiveNumber);
   light
       ->add_option("--reflectance", options->reflectance,
@@ -211,7 +225,7 @@ void add_probe_light(CLI::App& probe) {
     if (options->reflectance.size() == 2)
       throw CLI::ValidationError("--reflectance", "takes one number or three, not two");
     options->width += options->width % 2;
-    probe_room(*options);
+    print(probe_room(*options));
   });
 }
 

@@ -9,6 +9,7 @@
 #include <system_error>
 #include <utility>
 
+#include "tools/output_mode.h"
 #include "tools/standard_streams.h"
 
 namespace burin {
@@ -38,7 +39,9 @@ std::string progress_line(std::string_view stage, double fraction, double stage_
 }
 
 ProgressBar::ProgressBar()
-    : on_terminal_(isatty(STDERR_FILENO) == 1), work_start_(Clock::now()), stage_start_(work_start_) {}
+    : on_terminal_(is_for_people() && isatty(STDERR_FILENO) == 1),
+      work_start_(Clock::now()),
+      stage_start_(work_start_) {}
 
 ProgressBar::~ProgressBar() {
   {
@@ -55,6 +58,7 @@ Progress ProgressBar::progress() {
 }
 
 void ProgressBar::show(std::string_view stage, double fraction) {
+  tell_progress(stage, fraction);
   if (!on_terminal_) return;
   const auto now = Clock::now();
   const std::lock_guard lock(mutex_);

@@ -73,7 +73,7 @@ void take_from_project(const CLI::App& command, const ProjectSettings& settings,
   const bool by_heights = into.heights != nullptr && !into.heights->empty();
   if (!by_heights) take("follow-bow", settings.follow_bow, into.follow_bow, "");
   if (into.follow_bow == nullptr || !*into.follow_bow) take_file("heights", settings.heights, into.heights);
-  take("light", settings.light, into.light, settings.light);
+  take("lamp", settings.light, into.light, settings.light);
   take("f-number", settings.f_number, into.f_number, general(settings.f_number, 3));
   if (words.empty()) return;
   const fs::path& folder = settings.at.project.folder;

@@ -45,15 +45,15 @@ void require_command_line(const RenderArguments& o) {
   if (!o.out.empty() && o.views.size() != 1) throw CLI::ValidationError("--view", "a picture shows one view");
 }
 
-void run_animation(const RenderArguments& o, const Board& board, const Bench& bench, const Carved& carved,
-                   ProgressBar& bar) {
+Report run_animation(const RenderArguments& o, const Board& board, const Bench& bench, const Carved& carved,
+                     ProgressBar& bar) {
   std::vector<View> views;
   std::vector<Light> lights;
   for (const std::string& name : o.views) views.push_back(find_view(bench, name, "--view"));
   if (o.views.empty())
     for (const View& view : bench.views)
       views.push_back(find_view(bench, view.name, "--animate"));  // throws for a missing or unaimed view
-  for (const std::string& id : o.lights) lights.push_back(find_light(bench, id, "--light"));
+  for (const std::string& id : o.lights) lights.push_back(find_light(bench, id, "--lamp"));
   if (o.lights.empty()) lights = bench.lights;
   AnimateOptions options = o.animate;
   options.moving = o.moving == "eye" ? Moving::eye : Moving::lamp;
@@ -63,10 +63,13 @@ void run_animation(const RenderArguments& o, const Board& board, const Bench& be
   const int frames = animate(board, bench, carved, views, lights, o.animation, options, bar.progress());
   bar.clear();
   const bool eye = options.moving == Moving::eye;
-  print_text("Wrote {}: {} through {}, {} pixels; next: {}.\n", o.animation.string(),
-             counted(static_cast<std::size_t>(frames), "frame"),
-             eye ? counted(views.size(), "view") : counted(lights.size(), "lamp"), options.pixels,
-             o.animation.extension().empty() ? "make a film of these pictures" : "open it in a browser");
+  Report report;
+  report.data["frames"] = frames;
+  report.line("Wrote {}: {} through {}, {} pixels; next: {}.\n", o.animation.string(),
+              counted(static_cast<std::size_t>(frames), "frame"),
+              eye ? counted(views.size(), "view") : counted(lights.size(), "lamp"), fact("pixels", options.pixels),
+              o.animation.extension().empty() ? "make a film of these pictures" : "open it in a browser");
+  return report;
 }
 
 bool is_float_format(const std::filesystem::path& file) {
@@ -92,7 +95,7 @@ void take_board(const CLI::App& command, RenderArguments& o) {
   if (o.bench.empty()) throw CLI::RequiredError("--bench");
 }
 
-void run(RenderArguments o, const CLI::App& command) {
+Report run(RenderArguments o, const CLI::App& command) {
   take_board(command, o);
   require_command_line(o);
   if (!o.out.empty()) find_place(o.out);  // refused before the work
@@ -110,11 +113,10 @@ void run(RenderArguments o, const CLI::App& command) {
   bar.progress()("carving in thought", 0);
   const Carved carved = o.as_sent ? carve(Sent(rows), bench, board) : carve(Designed(rows), bench, board);
   if (!o.animation.empty()) {
-    run_animation(o, board, bench, carved, bar);
-    return;
+    return run_animation(o, board, bench, carved, bar);
   }
   const View& view = find_view(bench, o.views.front(), "--view");
-  const Light light = find_lit(bench, o.lights.empty() ? bench.lights.front().id : joined_lights(o.lights), "--light");
+  const Light light = find_lit(bench, o.lights.empty() ? bench.lights.front().id : joined_lights(o.lights), "--lamp");
 
   fail_unless_sees(view, board);
   fail_unless_lights(light, board);
@@ -136,8 +138,12 @@ void run(RenderArguments o, const CLI::App& command) {
   bar.progress()("writing", 0);
   write_picture(image, o.out);
   bar.clear();
-  print_text("Wrote {}: view {} under {}, {}, {} x {} pixels, exposure {:.6g}.\n", o.out.string(), view.name, light.id,
-             counted(rows.size(), "scratch"), image.width, image.height, exposure);
+  Report report;
+  report.data["scratches"] = rows.size();
+  report.line("Wrote {}: view {} under {}, {}, {} x {} pixels, exposure {:.6g}.\n", o.out.string(),
+              fact("view", view.name), fact("light", light.id), counted(rows.size(), "scratch"),
+              fact("width", image.width, "px"), fact("height", image.height, "px"), fact("exposure", exposure));
+  return report;
 }
 
 }  // namespace
@@ -151,7 +157,7 @@ void add_render_command(CLI::App& burin) {
       "Use lens, views, lamps and material of this setup (bench.json) [default: the project's last measured]");
   c->add_option("--view", o->views, "Render this view; repeat for an animation's path [default: all, animations only]");
   c->add_option(
-      "--light", o->lights,
+      "--lamp", o->lights,
       "Use this lamp, sun or environment map; repeat for several [default: the first; all for an animated lamp]");
   c->add_option("--scratches", o->scratches, "Render these scratches (CSV) [default: the board's]");
   c->add_option(
@@ -168,14 +174,14 @@ void add_render_command(CLI::App& burin) {
   c->add_option("--frames", o->animate.frames,
                 "Set an animation's frames from first to last place; 0: 8 per place, at most 240 [default: 0]")
       ->check(CLI::Range(0, 5000));
-  c->add_option("--seconds", o->animate.seconds, "Set an animation's duration from first to last place, s")
+  c->add_option("--duration", o->animate.seconds, "Set an animation's duration from first to last place, s")
       ->check(CLI::Range(0.1, 600.0))
       ->capture_default_str();
   c->add_option("--pixels", o->animate.pixels, "Set an animation's maximum side length, pixels")
       ->check(CLI::Range(16, 4096))
       ->capture_default_str();
   c->footer(example("burin render board.json --bench bench.json --view v00 --out v00.exr"));
-  c->callback([o, c] { run(*o, *c); });
+  c->callback([o, c] { print(run(*o, *c)); });
 }
 
 }  // namespace burin

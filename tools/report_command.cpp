@@ -9,15 +9,26 @@
 #include "tools/project_settings.h"
 #include "tools/report/rerun.h"
 #include "tools/report/section.h"
+#include "tools/steps.h"
 #include "tools/work_lock.h"
 
 namespace burin {
 
+Report run_report(const ReportArguments& o) {
+  const WorkLock lock(o.folder, "burin report", WorkLock::Where::projects);
+  ProgressBar bar;
+  std::optional<Section> rerun;
+  if (!o.before.empty()) rerun = rerun_section({o.before, o.folder, o.under, o.board}, bar.progress());
+  const WrittenReport page = write_report(o.folder, o.session, rerun, bar.progress());
+  bar.clear();
+  Report report;
+  report.line("{}\nWrote {} ({:.1f} MB); open it in a browser.\n", fact("summary", page.told),
+              fact("page", page.page.string()), fact("size", static_cast<double>(page.bytes) / 1e6, "MB"));
+  return report;
+}
+
 void add_report_command(CLI::App& burin) {
-  struct Options {
-    std::filesystem::path folder, session, before, under, board;
-  };
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ReportArguments>();
   CLI::App* command = burin.add_subcommand("report", "Write an HTML page of a measured session, a design or a project");
   command->add_option(
       "DIR", options->folder,
@@ -37,15 +48,7 @@ void add_report_command(CLI::App& burin) {
               "  burin report second --before first --under bench.json --board board.json"));
   command->callback([options] {
     if (options->folder.empty()) options->folder = project_folder({}, "DIR");
-    const WorkLock lock(options->folder, "burin report", WorkLock::Where::projects);
-    ProgressBar bar;
-    std::optional<Section> rerun;
-    if (!options->before.empty())
-      rerun = rerun_section({options->before, options->folder, options->under, options->board}, bar.progress());
-    const WrittenReport report = write_report(options->folder, options->session, rerun, bar.progress());
-    bar.clear();
-    print_text("{}\nWrote {} ({:.1f} MB); open it in a browser.\n", report.told, report.page.string(),
-               static_cast<double>(report.bytes) / 1e6);
+    print(run_report(*options));
   });
 }
 

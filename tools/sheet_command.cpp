@@ -36,7 +36,7 @@ struct SheetArguments {
   int shots = PlanOptions{}.shots;
 };
 
-void run(SheetArguments options) {
+Report run(SheetArguments options) {
   options.project = project_folder(options.project, "PROJECT");
   std::vector<fs::path> out = options.out;
   if (out.empty()) out = {options.project / "sheet.pdf", options.project / "sheet.html"};
@@ -78,9 +78,13 @@ void run(SheetArguments options) {
   record_sheet({options.project}, wanted, out);
   for (const Finding& finding : findings(sheet)) tell(finding);
   for (const Finding& finding : focus_findings(sheet.plan, sheet.focus)) tell(finding);
-  print_text("Wrote {}: {} and {} in order; print it, or open it on a phone; next: {}\n", written,
-             counted(sheet.places.size(), "place"), counted(sheet.plan.shots.size(), "photo"),
-             "burin loop " + shell_word(options.project.string()));
+  Report report;
+  report.data = {{"places", sheet.places.size()}, {"photos", sheet.plan.shots.size()}};
+  report.next = {{"burin", "loop", options.project.string()}};
+  report.line("Wrote {}: {} and {} in order; print it, or open it on a phone; next: {}\n", written,
+              counted(sheet.places.size(), "place"), counted(sheet.plan.shots.size(), "photo"),
+              command_text(report.next.front()));
+  return report;
 }
 
 }  // namespace
@@ -96,15 +100,14 @@ void add_sheet_command(CLI::App& burin) {
                    "Write this .pdf or .html; give it twice for both [default: sheet.pdf and sheet.html in PROJECT]")
       ->take_all()
       ->expected(1);
-  command
-      ->add_option("--hang-height", options->hang_height_mm,
-                   "Set the height of the board's center above the floor, mm [default: for a standing adult's eyes]")
+  add_length_option(*command, "--hang-height", options->hang_height_mm,
+                    "Set the height of the board's center above the floor [default: for a standing adult's eyes]")
       ->check(CLI::Range(1.0, 10'000.0));
   command->add_option("--shots", options->shots, "Plan this number of photos in addition to the designed views")
       ->capture_default_str()
       ->check(CLI::Range(1, 12));
-  command
-      ->add_option("--focus-mm", options->focus_mm, "Focus the lens at this distance, mm [default: the designed views]")
+  add_length_option(*command, "--focus", options->focus_mm,
+                    "Focus the lens at this distance [default: the designed views]")
       ->check(CLI::PositiveNumber);
   command->add_option(
       "--focus-range", options->focus_range,
@@ -112,7 +115,7 @@ void add_sheet_command(CLI::App& burin) {
   command->add_option("--paper", options->paper,
                       "Print on this paper: a4, letter, a3 or tabloid [default: the locale's (LC_PAPER)]");
   command->footer(example("burin sheet my-board --hang-height 1800"));
-  command->callback([options] { run(*options); });
+  command->callback([options] { print(run(*options)); });
 }
 
 }  // namespace burin

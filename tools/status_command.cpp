@@ -8,7 +8,6 @@
 #include "tools/commands.h"
 #include "tools/loop/say.h"
 #include "tools/loop/state.h"
-#include "tools/output_mode.h"
 #include "tools/progress_bar.h"
 #include "tools/project_settings.h"
 #include "tools/work_lock.h"
@@ -71,22 +70,21 @@ std::string rests_on(const StageState& state) {
 }
 
 // A screen has room for the newest round.
-void print_basis(const LoopProject& loop, const std::vector<StageState>& states) {
+std::string basis_in_words(const LoopProject& loop, const std::vector<StageState>& states) {
   int newest = 0;
   std::string lines;
   for (const StageState& state : states) newest = std::max(newest, state.at.round);
   for (const StageState& state : states)
     if (const std::string words = rests_on(state); !words.empty() && (state.at.round == newest || state.at.round == 0))
       lines += fmt::format("  {}: {}\n", name_of(loop.project, state.at), words);
-  if (!lines.empty())
-    print_text("What each{} was made from{}:\n{}", newest > 1 ? " of the newest round" : "",
-               newest > 1 ? " (--json: of all rounds)" : "", lines);
+  if (lines.empty()) return "";
+  return fmt::format("What each{} was made from{}:\n{}", newest > 1 ? " of the newest round" : "",
+                     newest > 1 ? " (--json: of all rounds)" : "", lines);
 }
 
 Json status_json(const LoopProject& loop, const std::vector<StageState>& states, const std::string& at_work,
                  const std::string& next) {
-  Json json{
-      {"format", "burin/status"}, {"version", 1}, {"project", loop.project.folder.string()}, {"burin", BURIN_VERSION}};
+  Json json{{"project", loop.project.folder.string()}};
   json["options"] = in_words(loop.options);
   json["at_work"] = at_work;
   json["stages"] = Json::array();
@@ -95,7 +93,7 @@ Json status_json(const LoopProject& loop, const std::vector<StageState>& states,
   return json;
 }
 
-void run(const fs::path& given) {
+Report run(const fs::path& given) {
   const fs::path folder = project_folder(given, "PROJECT_DIR");
   if (!fs::exists(folder / "design.json"))
     fail((folder / "design.json").string(), "a loop project needs this file", "name a project folder");
@@ -106,11 +104,13 @@ void run(const fs::path& given) {
   const std::vector<StageState> states = states_of(loop, hashes);
   const std::string at_work = who_works_in(folder), next = next_of(loop, states);
   bar.clear();
-  set_json_result(status_json(loop, states, at_work, next).dump(1));
-  print_text("{}: {}\n{}", folder.string(), in_words(loop.options), table_of(loop, states, false, !at_work.empty()));
-  print_basis(loop, states);
-  if (!at_work.empty()) print_text("A loop is at work here: {}\n", at_work);
-  print_text("Next: {}\n", next);
+  Report report;
+  report.data = status_json(loop, states, at_work, next);
+  report.line("{}: {}\n{}{}", folder.string(), in_words(loop.options), table_of(loop, states, false, !at_work.empty()),
+              basis_in_words(loop, states));
+  if (!at_work.empty()) report.line("A loop is at work here: {}\n", at_work);
+  report.line("Next: {}\n", next);
+  return report;
 }
 
 }  // namespace
@@ -123,7 +123,7 @@ void add_status_command(CLI::App& burin) {
   command->footer(
       example("burin status samples/small-bench\n"
               "  burin status samples/small-bench --json      # the same for programs, with all hashes"));
-  command->callback([folder] { run(*folder); });
+  command->callback([folder] { print(run(*folder)); });
 }
 
 }  // namespace burin

@@ -24,19 +24,11 @@
 #include "tools/commands.h"
 #include "tools/progress_bar.h"
 #include "tools/project_settings.h"
+#include "tools/steps.h"
 #include "tools/work_lock.h"
 
 namespace burin {
 namespace {
-
-struct ToolpathArguments {
-  std::filesystem::path scratches, board, bench, out, sent, resume, heights, drawing;
-  std::vector<std::filesystem::path> replay;
-  std::string machine = "grbl", part, order;
-  bool keep_order = false, frame = false, mend = false, follow_bow = false;
-  int decimals = 0, max_lines = -1;
-  std::size_t at_line = 0;
-};
 
 MachineProfile machine_of(const ToolpathArguments& options) {
   MachineProfile machine = machine_in_project(options.machine, options.scratches);
@@ -89,8 +81,9 @@ bool is_drawing(const std::filesystem::path& out) {
 }
 
 // Returns the command that checks the files before carving; a loop does this itself.
-std::string check_line(const ToolpathArguments& options, const ToolpathReport& report) {
-  std::vector<std::string> words{"check", "carve", options.scratches.string(), "--board", options.board.string()};
+std::vector<std::string> check_command(const ToolpathArguments& options, const ToolpathReport& report) {
+  std::vector<std::string> words{
+      "burin", "check", "carve", options.scratches.string(), "--board", options.board.string()};
   const auto add = [&](const char* option, const std::string& value) {
     if (!value.empty()) words.insert(words.end(), {option, value});
   };
@@ -100,7 +93,7 @@ std::string check_line(const ToolpathArguments& options, const ToolpathReport& r
   if (options.follow_bow) words.emplace_back("--follow-bow");
   words.emplace_back("--gcode");
   for (const std::filesystem::path& file : report.files) words.push_back(file.string());
-  return "; next: " + command_text(words);
+  return words;
 }
 
 // Returns the commanded scratches with the G-code's decimals. They are read back from the files, which the machine
@@ -121,7 +114,38 @@ Scratches told_by(const ToolpathReport& report) {
   return told;
 }
 
-void write(const ToolpathArguments& options) {
+// The files, in carving order, and the path over all of them.
+void report_files(const ToolpathReport& path, const MachineProfile& machine, Report& report) {
+  for (std::size_t i = 0; i < path.files.size(); ++i) {
+    Facts file = report.add("gcode");
+    file.set("time", path.file_duration_s[i], "s");
+    file.line("{}  {}\n", fact("file", path.files[i].string()), duration_text(path.file_duration_s[i]));
+  }
+  for (const std::filesystem::path& file : path.removed)
+    report.add("removed").line("{}  removed: it was part of an earlier tool path of this name\n",
+                               fact("file", file.string()));
+  Facts all = report.all();
+  all.set("compensated", path.compensated);
+  all.set("extent", {{path.min_mm.x(), path.min_mm.y()}, {path.max_mm.x(), path.max_mm.y()}}, "mm");
+  all.line("covers X {:.2f} to {:.2f}, Y {:.2f} to {:.2f} mm; {}\n", path.min_mm.x(), path.max_mm.x(), path.min_mm.y(),
+           path.max_mm.y(), path.compensated ? "compensated by the measured machine.affine" : "not compensated");
+  if (path.already_carved > 0) {
+    all.set("already_carved", path.already_carved);
+    all.line("{} carved already and left out\n", counted(path.already_carved, "scratch"));
+  }
+  if (path.stepped_mm > kOnStep_mm)
+    all.line("the machine's steps of {:g} mm move ends by up to {:.4f} mm\n", machine.limits.step_mm,
+             fact("largest_rounding", path.stepped_mm, "mm"));
+  all.line("carves {:.1f} m, travels {:.1f} m in the air ({:.1f} m in the file's own order)\n",
+           fact("carved_length", path.carve_mm / 1000, "m"), fact("travel", path.travel_mm / 1000, "m"),
+           fact("travel_in_file_order", path.file_order_travel_mm / 1000, "m"));
+  all.set("kept_order", path.kept_order);
+  all.set("scratches", path.scratch_count);
+  all.set("machine", machine.name);
+  all.set("time", path.duration_s, "s");
+}
+
+Report write(const ToolpathArguments& options) {
   if (is_drawing(options.out) && options.max_lines >= 0)
     fail(options.out.string(), "is no G-code, and --max-lines splits G-code", "leave it away");
   const WorkLock lock(options.out.parent_path(), "burin toolpath", WorkLock::Where::projects);
@@ -135,7 +159,7 @@ void write(const ToolpathArguments& options) {
   const Scratches scratches = scratches_of(options, board, bench ? &*bench : nullptr, machine, bar);
   ToolpathOptions settings;
   set_face(options, settings);
-  if (options.keep_order || options.order == "keep") settings.keep_order = true;
+  if (options.order == "keep") settings.keep_order = true;
   if (options.order == "short") settings.keep_order = false;
   settings.frame = options.frame;
   if (!options.part.empty()) settings.part_s = duration_from_text(options.part);
@@ -159,46 +183,36 @@ void write(const ToolpathArguments& options) {
   bar.clear();
   for (const Finding& finding : report.findings) tell(finding);
 
-  for (std::size_t i = 0; i < report.files.size(); ++i)
-    print_text("{}  {}\n", report.files[i].string(), duration_text(report.file_duration_s[i]));
-  for (const std::filesystem::path& file : report.removed)
-    print_text("{}  removed: it was part of an earlier tool path of this name\n", file.string());
-  print_text("covers X {:.2f} to {:.2f}, Y {:.2f} to {:.2f} mm; {}\n", report.min_mm.x(), report.max_mm.x(),
-             report.min_mm.y(), report.max_mm.y(),
-             report.compensated ? "compensated by the measured machine.affine" : "not compensated");
-  if (report.already_carved > 0)
-    print_text("{} carved already and left out\n", counted(report.already_carved, "scratch"));
-  if (report.stepped_mm > kOnStep_mm)
-    print_text("the machine's steps of {:g} mm move ends by up to {:.4f} mm\n", machine.limits.step_mm,
-               report.stepped_mm);
-  print_text("carves {:.1f} m, travels {:.1f} m in the air ({:.1f} m in the file's own order)\n",
-             report.carve_mm / 1000, report.travel_mm / 1000, report.file_order_travel_mm / 1000);
+  Report out;
+  report_files(report, machine, out);
   if (report.kept_order && settings.after == std::nullopt)
-    print_text("in the file's order{}\n",
-               settings.keep_order.has_value()
-                   ? ""
-                   : ", which the board is designed for: on this bench it shows (wear, or the "
-                     "groove carved last rules at crossings)");
+    out.line("in the file's order{}\n", settings.keep_order.has_value()
+                                            ? ""
+                                            : ", which the board is designed for: on this bench it shows (wear, or the "
+                                              "groove carved last rules at crossings)");
   if (!options.resume.empty()) {
     const CarvingStep& next = report.order.front();
-    print_text(
+    out.all().set("done_before", report.done_before);
+    out.line(
         "{}: {} done before line {}; the first that is left is row {} of {}. Controllers are told lines "
         "ahead of what they carve: look whether the last ones are there, and name an earlier line if not.\n",
-        options.resume.string(), counted(report.done_before, "scratch"), options.at_line, next.scratch + 1,
-        options.scratches.string());
-    print_text(
+        options.resume.string(), counted(report.done_before, "scratch"), options.at_line,
+        fact("first_row", next.scratch + 1), options.scratches.string());
+    out.line(
         "Wrote the {} left, about {}: home the machine, set work zero where it was, and carve{}; then go on "
         "with the next file.\n",
         counted(report.scratch_count, "scratch"), duration_text(report.duration_s),
         options.frame ? " (the frame first: it goes round them in the air)" : "");
-    return;
+    return out;
   }
-  print_text("Wrote {} for {}, about {}: {}{}\n", counted(report.scratch_count, "scratch"), machine.name,
-             duration_text(report.duration_s), zero_text(machine, report),
-             is_drawing(options.out) || is_in_round(options.out) ? "." : check_line(options, report));
+  if (!is_drawing(options.out) && !is_in_round(options.out)) out.next.push_back(check_command(options, report));
+  out.line("Wrote {} for {}, about {}: {}{}\n", counted(report.scratch_count, "scratch"), machine.name,
+           duration_text(report.duration_s), zero_text(machine, report),
+           out.next.empty() ? "." : "; next: " + command_text(out.next.front()));
+  return out;
 }
 
-void replay(const ToolpathArguments& options) {
+Report replay(const ToolpathArguments& options) {
   const MachineProfile machine = machine_of(options);
   const Board board = read_board(options.board);
   std::optional<Bench> bench;
@@ -212,6 +226,7 @@ void replay(const ToolpathArguments& options) {
                                          settings, bar.progress());
   std::vector<ReplayedScratch> carved;
   double duration_s = 0;
+  Report report;
   for (const std::filesystem::path& file : options.replay) {
     bar.progress()("replaying", 0);
     const Replay done = fail_unless_released(read_text(file), machine, planned.workpiece, planned.face, file.string());
@@ -219,21 +234,38 @@ void replay(const ToolpathArguments& options) {
     bar.clear();
     carved.insert(carved.end(), done.scratches.begin(), done.scratches.end());
     duration_s += done.duration_s;
-    print_text("{}: {}, {}, {:.1f} m in the metal, {:.1f} m in the air, {}\n", file.string(),
-               counted(done.lines, "line"), counted(done.scratches.size(), "scratch"), done.carve_mm / 1000,
-               done.travel_mm / 1000, duration_text(done.duration_s));
-    print_text("  X {:.3f} to {:.3f}, Y {:.3f} to {:.3f}, Z {:.3f} to {:.3f} mm\n", done.min_mm.x(), done.max_mm.x(),
-               done.min_mm.y(), done.max_mm.y(), done.min_mm.z(), done.max_mm.z());
+    Facts of = report.add("gcode");
+    of.set("lines", done.lines);
+    of.set("scratches", done.scratches.size());
+    of.set("time", done.duration_s, "s");
+    of.set("extent",
+           {{done.min_mm.x(), done.min_mm.y(), done.min_mm.z()}, {done.max_mm.x(), done.max_mm.y(), done.max_mm.z()}},
+           "mm");
+    of.line("{}: {}, {}, {:.1f} m in the metal, {:.1f} m in the air, {}\n", fact("file", file.string()),
+            counted(done.lines, "line"), counted(done.scratches.size(), "scratch"),
+            fact("carved_length", done.carve_mm / 1000, "m"), fact("travel", done.travel_mm / 1000, "m"),
+            duration_text(done.duration_s));
+    of.line("  X {:.3f} to {:.3f}, Y {:.3f} to {:.3f}, Z {:.3f} to {:.3f} mm\n", done.min_mm.x(), done.max_mm.x(),
+            done.min_mm.y(), done.max_mm.y(), done.min_mm.z(), done.max_mm.z());
   }
   bar.progress()("comparing with what was planned", 0);
   fail_unless_good(check_toolpath(carved, planned.scratches, 1e-3, depth_share(planned.face)),
                    options.replay.front().string());
   bar.clear();
-  print_text("Replayed: {}, each carved once and as planned, in about {} on {}.\n", counted(carved.size(), "scratch"),
-             duration_text(duration_s), machine.name);
+  report.all().set("scratches", carved.size());
+  report.all().set("time", duration_s, "s");
+  report.line("Replayed: {}, each carved once and as planned, in about {} on {}.\n", counted(carved.size(), "scratch"),
+              duration_text(duration_s), fact("machine", machine.name));
+  return report;
 }
 
-void add_options(CLI::App& command, ToolpathArguments& options) {
+}  // namespace
+
+Report run_toolpath(const ToolpathArguments& arguments) {
+  return arguments.replay.empty() ? write(arguments) : replay(arguments);
+}
+
+void add_toolpath_options(CLI::App& command, ToolpathArguments& options) {
   command
       .add_option("--chunks", options.part,
                   "Split G-code into files of about this carving time: 30min, or a number of seconds")
@@ -248,23 +280,13 @@ void add_options(CLI::App& command, ToolpathArguments& options) {
       ->check(CLI::Range(0, 100000000));
   command.add_flag("--mend", options.mend,
                    "Repair scratches that break the machine's limits by moving or dropping them");
-  CLI::Option* order =
-      command
-          .add_option("--order", options.order,
-                      "Keep the file's order or minimize travel (short) [default: keep if the order shows, else short]")
-          ->check(CLI::IsMember({"keep", "short"}));
-  command.add_flag("--keep-order", options.keep_order, "Keep the file's order, as --order keep does")->excludes(order);
+  command
+      .add_option("--order", options.order,
+                  "Keep the file's order or minimize travel (short) [default: keep if the order shows, else short]")
+      ->check(CLI::IsMember({"keep", "short"}));
   command.add_flag("--frame", options.frame, "Also write a file that moves around the scratches in the air");
   command.add_flag("--follow-bow", options.follow_bow,
                    "Follow the measured warp in Z; the sheet must lie as it did in the photos");
-}
-
-}  // namespace
-
-std::shared_ptr<void> add_toolpath_options(CLI::App& command) {
-  auto options = std::make_shared<ToolpathArguments>();
-  add_options(command, *options);
-  return options;
 }
 
 void add_toolpath_command(CLI::App& burin) {
@@ -285,7 +307,7 @@ void add_toolpath_command(CLI::App& burin) {
   CLI::Option* out = command->add_option(
       "--out", options->out,
       "Write this file: .gcode, .nc, .ngc, .cnc, .tap, .csv, or .svg or .dxf with a layer per depth");
-  add_options(*command, *options);
+  add_toolpath_options(*command, *options);
   command->add_option("--sent", options->sent,
                       "Also write the commanded positions in carving order, as the board's sent.csv");
   command->add_option("--draw", options->drawing, "Also write a drawing of the carved scratches: .svg or .dxf");
@@ -316,10 +338,7 @@ void add_toolpath_command(CLI::App& burin) {
                          .heights = &options->heights,
                          .follow_bow = &options->follow_bow});
     if (options->board.empty()) throw CLI::RequiredError("--board");
-    if (options->replay.empty())
-      write(*options);
-    else
-      replay(*options);
+    print(run_toolpath(*options));
   });
 }
 

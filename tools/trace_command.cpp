@@ -32,7 +32,7 @@ struct Trace {
   std::set<std::string> told;  // path and hash
   std::set<const KnownRecord*> followed;
   std::set<std::string> changed;  // paths
-  std::string lines;              // output text
+  Report report;
 };
 
 void add_records(Trace& trace, const fs::path& folder, const std::string& prefix) {
@@ -84,16 +84,24 @@ std::string state_of_file(Trace& trace, const std::string& name, const std::stri
 }
 
 void follow(Trace& trace, const std::string& name, const std::string& hash, int depth) {
+  Facts facts = trace.report.add("trace");
+  facts.set("depth", depth);
+  facts.set("file", name);
+  facts.set("sha256", hash);
   const KnownRecord* maker = maker_of(trace, name, hash, depth == 0);
   const bool again = !trace.told.insert(name + " " + hash).second;
   std::string line = fmt::format("{:{}}{}  {}", "", 2 * depth, name, hash.substr(0, 12));
-  if (depth > 0) line += "  " + state_of_file(trace, name, hash, maker);
+  if (depth > 0) {
+    const std::string state = state_of_file(trace, name, hash, maker);
+    facts.set("state", state);
+    line += "  " + state;
+  }
   if (again) {
-    if (maker) trace.lines += line + "  (see above)\n";
+    if (maker) facts.line("{}  (see above)\n", line);
     return;
   }
   if (!maker) {
-    trace.lines += line + "\n";
+    facts.line("{}\n", line);
     return;
   }
   const MadeRecord& record = maker->record;
@@ -102,12 +110,15 @@ void follow(Trace& trace, const std::string& name, const std::string& hash, int 
   line += fmt::format("  by {}{}, Burin {}{}", maker->name,
                       record.status == MadeRecord::Status::done ? "" : std::string(", ") + in_words(record.status),
                       record.burin, edited ? ", then changed by hand" : "");
+  facts.set("stage", maker->name);
+  facts.set("burin", record.burin);
+  facts.set("edited", edited);
   if (!trace.followed.insert(maker).second) {
-    trace.lines += line + "  (see above)\n";
+    facts.line("{}  (see above)\n", line);
     return;
   }
   for (const auto& [option, text] : record.options) line += fmt::format(", {} {}", option, text);
-  trace.lines += line + "\n";
+  facts.line("{}\n", line);
   for (const auto& [input, content] : record.inputs) follow(trace, input, content, depth + 1);
 }
 
@@ -120,7 +131,7 @@ fs::path project_folder_of(const fs::path& file) {
   fail(file.string(), "lies in no loop project", "say which one made it: --project DIR");
 }
 
-void run(const fs::path& file, const fs::path& project) {
+Report run(const fs::path& file, const fs::path& project) {
   Trace trace;
   ProgressBar bar;
   bar.progress()("looking whether files are as they were", 0);
@@ -140,14 +151,16 @@ void run(const fs::path& file, const fs::path& project) {
   }
   follow(trace, name, hash, 0);
   bar.clear();
-  print_text("{}", trace.lines);
+  trace.report.data["changed"] = trace.changed;
   if (!trace.changed.empty())
-    fail(file.string(),
-         fmt::format("{} of the files that it rests on {} what {} when it was made", trace.changed.size(),
-                     trace.changed.size() == 1 ? "is not" : "are not",
-                     trace.changed.size() == 1 ? "it was" : "they were"),
-         "they are marked above");
-  print_text("It rests on {}, as they were when it was made.\n", counted(trace.told.size() - 1, "file"));
+    trace.report.failure.emplace(ErrorCode::refused, file.string(),
+                                 fmt::format("{} of the files that it rests on {} what {} when it was made",
+                                             trace.changed.size(), trace.changed.size() == 1 ? "is not" : "are not",
+                                             trace.changed.size() == 1 ? "it was" : "they were"),
+                                 "they are marked above");
+  else
+    trace.report.line("It rests on {}, as they were when it was made.\n", counted(trace.told.size() - 1, "file"));
+  return trace.report;
 }
 
 }  // namespace
@@ -165,7 +178,7 @@ void add_trace_command(CLI::App& burin) {
   command->add_option("--project", o->project,
                       "Search this project for the file's origin [default: the file's own project]");
   command->footer(example("burin trace small-bench/round-01/board.gcode"));
-  command->callback([o] { run(o->file, o->project); });
+  command->callback([o] { print(run(o->file, o->project)); });
 }
 
 }  // namespace burin

@@ -47,7 +47,7 @@ void require_command_line(const ViewArguments& o) {
     throw CLI::ValidationError("PROJECT_DIR", "give a project, or --board and --bench (and --scratches, --design)");
 }
 
-void run(ViewArguments o) {
+Report run(ViewArguments o) {
   const bool no_files = o.files.board.empty() && o.files.bench.empty() && o.files.scratches.empty();
   if (!o.folder.empty() || (no_files && project_of(".").has_value()))
     o.folder = project_folder(o.folder, "PROJECT_DIR");
@@ -76,11 +76,15 @@ void run(ViewArguments o) {
   for (const Finding& finding : findings) tell(finding);
   std::size_t most = 0;
   for (const ViewedBoard& board : view.boards) most = std::max(most, grooves_of(board.carved));
-  print_text(
+  Report report;
+  report.data["grooves"] = most;
+  report.data["places"] = view.boards.front().pictures.size();
+  report.line(
       "Wrote {}: {}, {} to look from, {:.1f} MB, all in one file; next: open it in a browser, "
       "or send it to a phone and tilt it.\n",
       out.string(), counted(most, "groove"), counted(view.boards.front().pictures.size(), "place"),
-      static_cast<double>(page.size()) * 1e-6);
+      fact("size", static_cast<double>(page.size()) * 1e-6, "MB"));
+  return report;
 }
 
 }  // namespace
@@ -100,7 +104,7 @@ void add_view_command(CLI::App& burin) {
   c->add_flag("--as-carved", o->files.as_sent,
               "Treat the scratches as commanded positions (sent.csv) and apply the machine's calibration");
   c->footer(example("burin view samples/small-bench --out view.html"));
-  c->callback([o] { run(*o); });
+  c->callback([o] { print(run(*o)); });
 }
 
 }  // namespace burin

@@ -43,39 +43,21 @@ constexpr auto kLongestStop = 1500ms;
 
 struct WatchArguments {
   fs::path project, photos, plan;
-  bool once = false, json = false, copy = false, tether = false;
+  bool once = false, copy = false, tether = false;
   std::string port, light;
   std::vector<double> stops;
   double f_number = 0;
 };
 
-// All messages of the command, in words or as lines of JSON.
-class Teller {
- public:
-  explicit Teller(bool json) : json_(json) {}
+void say(const std::string& event, const fs::path& file, const std::string& words) {
+  Json data{{"words", words}};
+  if (!file.empty()) data["photo"] = file.string();
+  print_event(event, data, words + "\n");
+}
 
-  void say(const std::string& event, const fs::path& file, const std::string& words) const {
-    if (json_) {
-      Json line{{"event", event}, {"words", words}};
-      if (!file.empty()) line["photo"] = file.string();
-      fmt::print("{}\n", line.dump(-1, ' ', false, Json::error_handler_t::replace));
-    } else {
-      print_text("{}\n", words);
-    }
-    std::fflush(stdout);
-  }
-
-  void say_last(const Shoot& shoot, double seconds, double processor_seconds) const {
-    if (json_)
-      fmt::print("{}\n", last_photo_json(shoot, seconds, processor_seconds));
-    else
-      print_text("{}", last_photo_words(shoot));
-    std::fflush(stdout);
-  }
-
- private:
-  bool json_;
-};
+void say_last(const Shoot& shoot, double seconds, double processor_seconds) {
+  print_event("photo", last_photo_json(shoot, seconds, processor_seconds), last_photo_words(shoot));
+}
 
 std::string why_unreadable(const fs::path& file, const std::string& error) {
   std::error_code ignored;
@@ -89,12 +71,9 @@ class Watch {
  public:
   explicit Watch(const WatchArguments& options)
       : options_(options),
-        teller_(options.json),
         project_(watched_project(options.project, options.photos, options.plan)),
         inbox_(project_.photos, project_.lamps, kStays),
-        copies_(kStaysForCopies, [this](const std::string& event, const fs::path& photo, const std::string& words) {
-          teller_.say(event, photo, words);
-        }) {
+        copies_(kStaysForCopies, say) {
     project_.shoot.f_number = options.f_number;
     take_light();
     if (options.copy && project_.keep.empty())
@@ -125,14 +104,14 @@ class Watch {
     if (!said.empty() && std::find(lamps.begin(), lamps.end(), said) == lamps.end()) {
       std::string known;
       for (const std::string& lamp : lamps) known += (known.empty() ? "" : ", ") + lamp;
-      fail("--light " + said, "no photos are wanted under a lamp of that name",
-           known.empty() ? "leave --light out: nothing tells under which lamps photos are wanted"
+      fail("--lamp " + said, "no photos are wanted under a lamp of that name",
+           known.empty() ? "leave --lamp out: nothing tells under which lamps photos are wanted"
                          : "choose one of: " + known);
     }
     if (!options_.tether || !several_lamps()) return;
     if (said.empty())
       fail("--tether", "photos are wanted under several lamps, and do not tell which is on",
-           fmt::format("switch one on alone and say which: burin watch {} --tether --light {}; then the next one",
+           fmt::format("switch one on alone and say which: burin watch {} --tether --lamp {}; then the next one",
                        shell_word(options_.project.string()), shell_word(lamps.front())));
     std::erase_if(project_.shoot.wanted, [&](const WantedShot& shot) { return shot.light != said; });
   }
@@ -156,7 +135,7 @@ class Watch {
     project_.shoot.light = several_lamps() ? options_.light : "";
     shoot_tethered({options_.port, options_.stops, folder_for(project_.photos, options_.light), options_.once},
                    project_.shoot, [&](const Shoot& shoot, double seconds, double processor_seconds) {
-                     teller_.say_last(shoot, seconds, processor_seconds);
+                     say_last(shoot, seconds, processor_seconds);
                    });
   }
 
@@ -184,12 +163,12 @@ class Watch {
     if (several_lamps() && !options_.tether)
       words += fmt::format("Photos do not tell which lamp was on: put them into {}{}.\n",
                            lamp_folders_in_words(project_.photos, project_.lamps),
-                           options_.light.empty() ? ", or say which is on with --light NAME"
+                           options_.light.empty() ? ", or say which is on with --lamp NAME"
                                                   : "; others are taken to be under \"" + options_.light + "\"");
     if (!project_.plan_line.empty())
       words += "There is no plan of the further photos; it is made by: " + project_.plan_line + "\n";
     words += "    now: " + next_words(shoot);
-    teller_.say("began", {}, words);
+    say("began", {}, words);
   }
 
   void take_news(const InboxNews& news) {
@@ -198,13 +177,12 @@ class Watch {
         fail(project_.photos.string(), "cannot be read (" + news.why_not + ")",
              "check the folder, and that you may read it");
       if (there_)
-        teller_.say(
-            "folder gone", project_.photos,
+        say("folder gone", project_.photos,
             fmt::format("{} cannot be read ({}): waiting until it is back", project_.photos.string(), news.why_not));
       there_ = false;
       return;
     }
-    if (!there_) teller_.say("folder back", project_.photos, project_.photos.string() + " is back");
+    if (!there_) say("folder back", project_.photos, project_.photos.string() + " is back");
     there_ = true;
     for (const auto& [from, to] : news.renamed) rename(from, to);
     for (const fs::path& file : news.gone) forget(file);
@@ -214,7 +192,7 @@ class Watch {
     }
     for (const fs::path& file : news.given_up) {
       const std::string why = why_unreadable(file, errors_[file]);
-      teller_.say("unreadable", file, "error: " + why);
+      say("unreadable", file, "error: " + why);
       ++unreadable_;
     }
   }
@@ -242,11 +220,11 @@ class Watch {
       inbox_.not_yet(file);
       return;
     }
-    teller_.say_last(shoot, std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count(),
-                     static_cast<double>(std::clock() - processor) / CLOCKS_PER_SEC);
+    say_last(shoot, std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count(),
+             static_cast<double>(std::clock() - processor) / CLOCKS_PER_SEC);
     if (!options_.copy || has_errors(shoot.photos.back().faults)) return;
     if (several_lamps() && shoot.light.empty())
-      teller_.say("not copied", file, "    not copied: nothing tells which lamp was on");
+      say("not copied", file, "    not copied: nothing tells which lamp was on");
     else
       copies_.want(file, folder_for(project_.keep, shoot.light));
   }
@@ -275,7 +253,7 @@ class Watch {
   void pass_over(const fs::path& file, const fs::path& kept, const Finding& said) {
     passed_over_[file] = kept;
     remove_photo(file, project_.shoot);
-    teller_.say("passed over", file, sentence(said));
+    say("passed over", file, sentence(said));
   }
 
   // `burin capture` refuses photos of another round; here the user can still correct it at the board.
@@ -297,7 +275,7 @@ class Watch {
                                                    "lies in no lamp's folder: nothing tells which lamp was on",
                                                    "put it into " +
                                                        lamp_folders_in_words(project_.photos, project_.lamps) +
-                                                       ", or say which is on with --light NAME"});
+                                                       ", or say which is on with --lamp NAME"});
   }
 
   void rename(const fs::path& from, const fs::path& to) {
@@ -315,21 +293,20 @@ class Watch {
       shoot.light = light_of(to);
       add_photo(std::move(facts), shoot);
       find_no_lamp(to);
-      teller_.say("renamed", to, fmt::format("{} is {} now", from.string(), to.string()));
-      teller_.say_last(shoot, 0, 0);
+      say("renamed", to, fmt::format("{} is {} now", from.string(), to.string()));
+      say_last(shoot, 0, 0);
       if (options_.copy && !has_errors(shoot.photos.back().faults) && !shoot.light.empty())
         copies_.want(to, folder_for(project_.keep, shoot.light));
       return;
     }
     if (photo != shoot.photos.end()) photo->facts.file = to;
-    teller_.say("renamed", to, fmt::format("{} is called {} now", from.filename().string(), to.filename().string()));
+    say("renamed", to, fmt::format("{} is called {} now", from.filename().string(), to.filename().string()));
   }
 
   void forget(const fs::path& file) {
     passed_over_.erase(file);
     if (!remove_photo(file, project_.shoot)) return;
-    teller_.say(
-        "gone", file,
+    say("gone", file,
         fmt::format("{} is gone: it counts no more  [{}]", file.filename().string(), state_words(project_.shoot)));
     const auto stands_in =
         std::find_if(passed_over_.begin(), passed_over_.end(), [&](const auto& one) { return one.second == file; });
@@ -352,7 +329,7 @@ class Watch {
     words += fmt::format("{}{}: {}; {}: {}", finished ? "All is there" : "Not all is there yet",
                          unreadable_ > 0 ? fmt::format(" ({} unreadable)", unreadable_) : "", state_words(shoot),
                          finished ? "next" : "go on with burin watch, or, with what there is, next", next_line());
-    teller_.say(finished ? "finished" : "ended", {}, words);
+    say(finished ? "finished" : "ended", {}, words);
   }
 
   std::string next_line() const {
@@ -360,7 +337,6 @@ class Watch {
   }
 
   WatchArguments options_;
-  Teller teller_;
   WatchedProject project_;
   PhotoInbox inbox_;
   KeptCopies copies_;
@@ -385,11 +361,10 @@ void add_watch_command(CLI::App& burin) {
   CLI::Option* tether = command->add_flag(
       "--tether", o->tether, "Take the photos with a USB camera (libgphoto2), as burin capture --tether does");
   add_tether_options(*command, tether, o->stops, o->port);
-  command->add_option("--light", o->light,
+  command->add_option("--lamp", o->light,
                       "Assign this lamp to --tether's photos and to photos outside the lamps' folders");
   command->add_flag("--copy", o->copy, "Copy usable photos from --photos into the round's folder")->excludes(tether);
   command->add_flag("--once", o->once, "Check the present photos, then exit");
-  command->add_flag("--json", o->json, "Print one JSON object per line instead of text")->excludes(tether);
   command->footer(
       example("burin watch my-board\n"
               "  burin watch my-board --photos ~/Phone/Camera --copy\n"

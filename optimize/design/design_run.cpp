@@ -36,7 +36,7 @@ constexpr double kStartShare = 0.4;  // of the time limit: iterations gain more 
 std::pair<Scratches, Scratches> new_and_carved(const DesignOptions& options, const Board& board, const Bench& bench) {
   if (options.carved.size() > 0 && (options.optimize_width || options.optimize_depth || options.optimize_alpha))
     fail("design", "the groove of what is carved already cannot be chosen any more",
-         "leave out --free-width, --free-depth and --free-alpha, or --carved");
+         "leave out --free width, --free depth and --free alpha, or --carved");
   if (!options.from) return {{}, options.carved};
   std::vector<std::size_t> fresh, done;
   for (std::size_t i = 0; i < options.from->size(); ++i) (options.from->is_carved(i) ? done : fresh).push_back(i);

@@ -77,18 +77,18 @@ TEST(CaptureCommand, LampTakesItsNameFromTheBenchOfTheDesign) {
   const Outcome asked = run_burin(folder, capture);
   EXPECT_EQ(asked.exit_code, 1);
   EXPECT_THAT(asked.err, AllOf(HasSubstr("IMG_0.png: and 1 more lie in no lamp's folder"),
-                               HasSubstr("bench/photos/ceiling and bench/photos/window"), HasSubstr("--light")));
+                               HasSubstr("bench/photos/ceiling and bench/photos/window"), HasSubstr("--lamp")));
   std::vector<std::string> said = capture;
-  said.insert(said.end(), {"--light", "window"});
+  said.insert(said.end(), {"--lamp", "window"});
   ASSERT_EQ(run_burin(folder, said).exit_code, 0);
   EXPECT_EQ(lamp(), "window");
   // A name that the bench does not have is a slip, unless it is said to be new.
   std::vector<std::string> slip = capture;
-  slip.insert(slip.end(), {"--light", "windwo"});
+  slip.insert(slip.end(), {"--lamp", "windwo"});
   const Outcome refused = run_burin(folder, slip);
   EXPECT_EQ(refused.exit_code, 1);
   EXPECT_THAT(refused.err,
-              AllOf(HasSubstr("--light windwo"), HasSubstr("known are ceiling, window"), HasSubstr("--new-lamp")));
+              AllOf(HasSubstr("--lamp windwo"), HasSubstr("known are ceiling, window"), HasSubstr("--new-lamp")));
   EXPECT_EQ(lamp(), "window") << "nothing was written";
   slip.emplace_back("--new-lamp");
   ASSERT_EQ(run_burin(folder, slip).exit_code, 0);

@@ -11,6 +11,7 @@
 
 #include "tests/places.h"
 #include "tests/tools/program.h"
+#include "tools/check_file.h"
 
 namespace burin {
 namespace {
@@ -121,7 +122,7 @@ TEST(CheckCarve, TheRoundOfALoop) {
   std::filesystem::copy(sample, folder / "p", std::filesystem::copy_options::recursive);
   const auto round = folder / "p" / "round-01";
   std::filesystem::create_directories(round);
-  ASSERT_EQ(run_burin(folder, {"design", "p/design.json", "--scratches", "300", "--pixels", "48", "--iterations", "2",
+  ASSERT_EQ(run_burin(folder, {"design", "p/design.json", "--count", "300", "--pixels", "48", "--iterations", "2",
                                "--report-tolerance", "--out", "p/round-01/design"})
                 .exit_code,
             0);
@@ -151,6 +152,22 @@ TEST(CheckCarve, TheRoundOfALoop) {
   EXPECT_EQ(run_burin(folder, {"check", "carve", "p/round-01/scratches.csv", "--machine", "grbl-spring"}).exit_code, 0);
   std::filesystem::copy_file(round / "scratches.csv", folder / "scratches.csv");
   EXPECT_EQ(run_burin(folder, {"check", "carve", "scratches.csv"}).exit_code, 2);
+}
+
+// The first error of a file, where a person finds it.
+TEST(CheckFile, NamesLineAndColumn) {
+  const TemporaryFolder folder;
+  folder.write("board.json",
+               "{\"format\": \"burin/board\", \"version\": 1,\n \"size_mm\": [100, 80],\n \"tags\": "
+               "{\"family\": \"tag36h11\",\n  \"list\": [{\"id\": 1, \"sizemm\": 3}]}}");
+  const Outcome run = run_burin(folder, {"check", "board.json"});
+  EXPECT_EQ(run.exit_code, 1);
+  EXPECT_THAT(run.err, HasSubstr("board.json:4:12: tags.list[0]")) << run.out;
+  std::filesystem::copy_file(places::source() + "/samples/small-bench/board.json", folder / "good.json");
+  EXPECT_THAT(run_burin(folder, {"check", "good.json"}).out, HasSubstr("good.json: good: burin/board"));
+  const TextPlace place = place_of_field("{\n \"a\": [1, {\"b.\": \"}\", \"c\": 5}]}", "a[1].c");
+  EXPECT_EQ(place.line, 2U);
+  EXPECT_EQ(place.column, 28U);
 }
 
 }  // namespace

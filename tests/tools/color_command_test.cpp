@@ -59,7 +59,7 @@ class ColorCommand : public ::testing::Test {
     std::ofstream(folder_ / "bench" / file) << json;
   }
   Outcome design() const {
-    return run_burin(folder_, {"design", "bench/design.json", "--out", "out", "--scratches", "500", "--pixels", "64",
+    return run_burin(folder_, {"design", "bench/design.json", "--out", "out", "--count", "500", "--pixels", "64",
                                "--iterations", "4", "--live"});
   }
   TemporaryFolder folder_;
@@ -122,7 +122,7 @@ TEST_F(ColorCommand, TheProjectsPageAddsUpThePhotosUnderEachLamp) {
   // In floating point: what clips in 8 bits is not what is proved here.
   const auto render = [&](const std::string& light) {
     const Outcome run = run_burin(
-        folder_, {"render", "bench/board.json", "--bench", "bench/bench.json", "--view", "d1", "--light", light,
+        folder_, {"render", "bench/board.json", "--bench", "bench/bench.json", "--view", "d1", "--lamp", light,
                   "--scratches", "out/scratches.csv", "--out", "bench/round-01/photos/" + light + ".exr"});
     EXPECT_EQ(run.exit_code, 0) << run.err;
   };

@@ -3,9 +3,11 @@
 #include <gmock/gmock.h>
 
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "tests/tools/program.h"
 #include "tools/commands.h"
+#include "tools/old_names.h"
 
 namespace burin {
 namespace {
@@ -77,7 +79,7 @@ TEST(CommandLine, TheToolPathThatADesignNamesCanBePasted) {
   const TemporaryFolder folder;
   std::filesystem::copy(places::source() + "/samples/small-bench", folder / "my bench",
                         std::filesystem::copy_options::recursive);
-  const Outcome run = run_burin(folder, {"design", "my bench/design.json", "--scratches", "40", "--pixels", "32",
+  const Outcome run = run_burin(folder, {"design", "my bench/design.json", "--count", "40", "--pixels", "32",
                                          "--iterations", "1", "--out", "its design"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
   paste_next(folder, run.out);
@@ -110,17 +112,83 @@ TEST(CommandLine, JsonSaysAllInOneObject) {
   const auto said = nlohmann::json::parse(done.out);
   EXPECT_EQ(said["command"], "plan");
   EXPECT_EQ(said["exit_code"], 0);
-  EXPECT_EQ(said["notes"].size(), 2U) << said;
-  EXPECT_THAT(said["next"].get<std::string>(), ::testing::StartsWith("burin capture PHOTOS_DIR --board /"));
-  EXPECT_TRUE(said["warnings"].empty());
-  EXPECT_TRUE(said["errors"].empty());
+  ASSERT_EQ(said["diagnostics"].size(), 2U) << said;
+  for (const auto& diagnostic : said["diagnostics"]) EXPECT_EQ(diagnostic["severity"], "note");
+  EXPECT_EQ(said["data"]["shots"].size(), 1U) << said;
+  EXPECT_EQ(said["data"]["parameters"][0]["goal"].count("unit"), 1U) << said;
+  EXPECT_TRUE(said["next"].empty()) << "a folder of photos is for a person to name";
   const Outcome not_done = run_burin(folder, {"--json", "plan", "none.json"});
   EXPECT_EQ(not_done.exit_code, 1);
   const auto failed = nlohmann::json::parse(not_done.out);
   EXPECT_EQ(failed["exit_code"], 1);
-  EXPECT_THAT(failed["errors"][0].get<std::string>(), ::testing::StartsWith("none.json"));
+  EXPECT_EQ(failed["diagnostics"].back()["code"], "missing-file") << failed;
+  EXPECT_EQ(failed["diagnostics"].back()["file"], "none.json");
   const auto wrong = nlohmann::json::parse(run_burin(folder, {"--json", "plan", "--frobnicate"}).out);
   EXPECT_EQ(wrong["exit_code"], 2);
+  EXPECT_EQ(wrong["diagnostics"][0]["code"], "command-line");
+  folder.write("bad.json", R"({"format": "burin/board", "version": 1, "size_mm": [100]})");
+  const auto bad = nlohmann::json::parse(run_burin(folder, {"--json", "print", "bad.json"}).out);
+  EXPECT_EQ(bad["diagnostics"][0]["code"], "bad-key") << bad;
+  EXPECT_EQ(bad["diagnostics"][0]["file"], "bad.json");
+  EXPECT_EQ(bad["diagnostics"][0]["field"], "size_mm");
+}
+
+// Each line is an object of its own, and the last one is that of --json.
+TEST(CommandLine, JsonLinesTellProgressAndEndWithTheResult) {
+  const TemporaryFolder folder;
+  std::filesystem::copy_file(places::source() + "/samples/small-bench/board.json", folder / "board.json");
+  const std::vector<std::string> plan{"plan", "board.json", "--shots", "1", "--threads", "1"};
+  const auto with = [&](std::vector<std::string> words) {
+    words.insert(words.end(), plan.begin(), plan.end());
+    return run_burin(folder, words).out;
+  };
+  std::istringstream lines(with({"--json-lines"}));
+  std::vector<std::string> events;
+  nlohmann::json last;
+  for (std::string line; std::getline(lines, line);) {
+    last = nlohmann::json::parse(line);
+    events.push_back(last["event"]);
+  }
+  EXPECT_THAT(events, ::testing::IsSupersetOf({"diagnostic", "progress"}));
+  EXPECT_EQ(events.back(), "result");
+  last.erase("event");
+  EXPECT_EQ(last, nlohmann::json::parse(with({"--json"})));
+}
+
+// What the text says is in the data, with its unit and sigma: both come from one statement.
+TEST(CommandLine, TextAndDataSayTheSame) {
+  Report report;
+  report.in("lens").line("focal {:.1f} px, +- {:.2f}\n", fact("focal", 3000.25, "px", 0.5), 0.5);
+  report.add("views").line("{:<4}|\n", fact("view", std::string("d0")));
+  report.add("views").set("view", "d1");
+  EXPECT_EQ(report.text, "focal 3000.2 px, +- 0.50\nd0  |\n");
+  EXPECT_EQ(report.data, nlohmann::ordered_json::parse(R"({
+    "lens": {"focal": {"value": 3000.25, "unit": "px", "sigma": 0.5}}, "views": [{"view": "d0"}, {"view": "d1"}]})"));
+}
+
+// docs/json.md lists each code of the program, and no other.
+TEST(CommandLine, TheCodesOfErrorsAreListed) {
+  std::string table;
+  for (const ErrorCodeText& code : error_codes()) {
+    EXPECT_STREQ(name_of(code.code), code.name);
+    table += "| `" + std::string(code.name) + "` | " + code.meaning + " |\n";
+  }
+  EXPECT_THAT(file_text(places::source() + "/docs/json.md"), HasSubstr("| code | meaning |\n| --- | --- |\n" + table));
+}
+
+TEST(CommandLine, OldNamesOfOptionsWorkWithANote) {
+  const TemporaryFolder folder;
+  std::filesystem::copy_file(places::source() + "/samples/small-bench/board.json", folder / "board.json");
+  const Outcome old = run_burin(folder, {"plan", "board.json", "--shots", "1", "--focus-mm", "900"});
+  EXPECT_EQ(old.exit_code, 0) << old.err;
+  EXPECT_THAT(old.err, HasSubstr("note: --focus-mm is called --focus now"));
+  const Outcome now = run_burin(folder, {"plan", "board.json", "--shots", "1", "--focus", "90cm"});
+  EXPECT_EQ(now.out, old.out);
+  EXPECT_THAT(now.err, ::testing::Not(HasSubstr("called")));
+  std::vector<std::string> words{"loop", "p", "--free-width", "--carve-hours", "6", "--carve-hours=6h30min"};
+  replace_old_names("loop", 0, words);
+  EXPECT_EQ(words,
+            (std::vector<std::string>{"loop", "p", "--free=width", "--carve-time", "6h", "--carve-time=6h30min"}));
 }
 
 TEST(CommandLine, JsonNamesTheFilesThatWereWritten) {
@@ -134,8 +202,7 @@ TEST(CommandLine, JsonNamesTheFilesThatWereWritten) {
   // Made beside its place, and moved there as a whole.
   std::filesystem::copy_file(places::source() + "/tests/data/targets/camera.png", folder / "camera.png");
   const auto project = nlohmann::json::parse(
-      run_burin(folder, {"new", "n", "--board", "120x100", "--pictures", "camera.png", "--scratches", "60", "--json"})
-          .out);
+      run_burin(folder, {"new", "n", "--board", "120x100", "--pictures", "camera.png", "--count", "60", "--json"}).out);
   std::set<std::string> named, there;
   for (const auto& file : project["files"]) named.insert(file.get<std::string>());
   for (const auto& entry : std::filesystem::recursive_directory_iterator(folder / "n"))

@@ -86,7 +86,7 @@ TEST_F(DesignCommand, WritesWhatItSays) {
 // on its page, with the word that follows from it.
 TEST_F(DesignCommand, OneFigureWithItsPixelsEverywhere) {
   const Outcome coarse = design({}, "coarse"),
-                fine = run_burin(folder_, {"design", "bench/design.json", "--out", "fine", "--scratches", "600",
+                fine = run_burin(folder_, {"design", "bench/design.json", "--out", "fine", "--count", "600",
                                            "--pixels", "100", "--iterations", "2"});
   ASSERT_EQ(coarse.exit_code, 0) << coarse.err;
   ASSERT_EQ(fine.exit_code, 0) << fine.err;
@@ -112,7 +112,7 @@ TEST_F(DesignCommand, HelpBeginsWithTheOptionsThatMatter) {
   const auto at = [&](const char* words) { return help.find(words); };
   ASSERT_NE(at("Options that are seldom needed"), std::string::npos);
   EXPECT_LT(at("Options that are seldom needed"), at("--start-sweeps"));
-  for (const char* option : {"--out", "--scratches", "--time", "--pixels", "--carve-hours", "--machine"})
+  for (const char* option : {"--out", "--scratches", "--time", "--pixels", "--carve-time", "--machine"})
     EXPECT_LT(at((std::string("  ") + option + " ").c_str()), at("Options that are seldom needed")) << option;
 }
 
@@ -121,7 +121,7 @@ TEST_F(DesignCommand, CtrlCKeepsWhatThereIsAndItGoesOn) {
   const Outcome run = run_shell(
       folder_,
       "cd " + quoted(folder_.path().string()) + " && { " + quoted(places::program()) +
-          " design bench/design.json --out out --scratches 400 --pixels 64 --iterations 1000000 --live & pid=$!; "
+          " design bench/design.json --out out --count 400 --pixels 64 --iterations 1000000 --live & pid=$!; "
           "for i in $(seq 600); do [ -e out/live.png ] && break; sleep 0.1; done; sleep 0.3; "
           "kill -INT $pid; wait $pid; echo exit code $?; }");
   EXPECT_THAT(run.out, HasSubstr("exit code 130")) << run.err;
@@ -144,7 +144,7 @@ TEST_F(DesignCommand, CtrlCKeepsWhatThereIsAndItGoesOn) {
 // Hours of work end on a disk without room for the pictures: the scratches stay, and the rest is made of them later.
 TEST_F(DesignCommand, WhereTheRestFindsNoRoomTheScratchesAreKept) {
   const std::string line =
-      quoted(places::program()) + " design bench/design.json --scratches 300 --pixels 96 --iterations 2 --out ";
+      quoted(places::program()) + " design bench/design.json --count 300 --pixels 96 --iterations 2 --out ";
   const Outcome whole = run_shell(folder_, "cd " + quoted(folder_.path().string()) + " && " + line + "whole");
   ASSERT_EQ(whole.exit_code, 0) << whole.err;
   ASSERT_GT(fs::file_size(folder_ / "whole/contact-sheet.png"), 30U * 1024);
@@ -167,7 +167,7 @@ TEST_F(DesignCommand, WhereTheRestFindsNoRoomTheScratchesAreKept) {
 TEST_F(DesignCommand, TimeEndsTheStartToo) {
   // A start that alone would take longer by far.
   const auto began = std::chrono::steady_clock::now();
-  const Outcome run = run_burin(folder_, {"design", "bench/design.json", "--out", "out", "--scratches", "1500000",
+  const Outcome run = run_burin(folder_, {"design", "bench/design.json", "--out", "out", "--count", "1500000",
                                           "--pixels", "512", "--iterations", "1000000", "--time", "2s"});
   ASSERT_EQ(run.exit_code, 0) << run.err;
   EXPECT_THAT(run.err, HasSubstr("the start was ended early"));

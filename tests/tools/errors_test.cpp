@@ -59,7 +59,7 @@ class PhotographedBoard : public ::testing::Test {
     truth["scratches"]["random"]["count"] = 200;
     write(*photographed_ / "truth.json", truth);
     const std::string line = quoted(places::program()) + " simulate " +
-                             quoted((*photographed_ / "truth.json").string()) + " --views d0 d1 c3 --samples 4 --out " +
+                             quoted((*photographed_ / "truth.json").string()) + " --view d0 --view d1 c3 --samples 4 --out " +
                              quoted((*photographed_ / "bench").string()) + " >/dev/null";
     ASSERT_EQ(std::system(line.c_str()), 0);
   }
@@ -275,7 +275,7 @@ TEST_F(BoardFiles, FolderThatCannotBeWritten) {
   expect_refusal(run_burin(folder_, {"toolpath", "bench/scratches.csv", "--board", "bench/board.json", "--out",
                                      "/proc/out.gcode"}),
                  "/proc", "");
-  expect_refusal(run_burin(folder_, {"design", "bench/design.json", "--scratches", "50", "--iterations", "1", "--out",
+  expect_refusal(run_burin(folder_, {"design", "bench/design.json", "--count", "50", "--iterations", "1", "--out",
                                      "/proc/out"}),
                  "/proc/out", "");
   expect_nothing_written();
@@ -296,7 +296,7 @@ TEST_F(BoardFiles, ReportOfAFolderWithNothingToReport) {
 TEST_F(BoardFiles, TargetThatIsNoPicture) {
   write(folder_ / "bench" / "targets" / "boat.png", std::string("not a picture"));
   expect_refusal(
-      run_burin(folder_, {"design", "bench/design.json", "--scratches", "50", "--iterations", "1", "--out", "out"}),
+      run_burin(folder_, {"design", "bench/design.json", "--count", "50", "--iterations", "1", "--out", "out"}),
       "boat.png", "");
   EXPECT_EQ(files_under(folder_ / "out"), 0U);
 }

@@ -108,14 +108,14 @@ TEST_F(FileFormats, BenchInAPersonsWordsIsDesignedForAndRendered) {
 }
 
 TEST_F(FileFormats, PicturesInColorAreDesignedForTheLampsInAPersonsWords) {
-  const Outcome design = run_burin(folder_, {"design", "design-2.json", "--bench", "bench-2.json", "--scratches", "60",
+  const Outcome design = run_burin(folder_, {"design", "design-2.json", "--bench", "bench-2.json", "--count", "60",
                                              "--pixels", "32", "--iterations", "1", "--out", "design"});
   ASSERT_EQ(design.exit_code, 0) << design.err;
   EXPECT_THAT(design.out, ::testing::HasSubstr("in color: red"));
 }
 
 TEST_F(FileFormats, BenchIsDesignedForRenderedAndCarved) {
-  const Outcome design = run_burin(folder_, {"design", "design.json", "--scratches", "40", "--pixels", "32",
+  const Outcome design = run_burin(folder_, {"design", "design.json", "--count", "40", "--pixels", "32",
                                              "--iterations", "1", "--out", "design"});
   ASSERT_EQ(design.exit_code, 0) << design.err;
   const Outcome render =

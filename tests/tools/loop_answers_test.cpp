@@ -1,5 +1,5 @@
 // Proves, of the loop's functions alone, what a person is asked, told and refused: a carved board is not told another
-// depth later; a design that was stopped raises no question behind it, and --keep joins no old G-code to new
+// depth later; a design that was stopped raises no question behind it, and --allow-stale joins no old G-code to new
 // scratches; what refuses a stage does so before its former result is moved, and a former result of the same is taken
 // back; all open questions have one answer; `burin status` names what the loop would refuse; what is known only weakly
 // stops a design, and lamps that no picture uses do not. Oracle: rounds that the test itself sets out, as files and
@@ -179,8 +179,8 @@ TEST_F(LoopAnswering, CarvedBoardIsNotToldAnotherDepth) {
   believe_depth(13);
   const auto names_both = AllOf(HasSubstr("material.depth_um is 13"), HasSubstr("round-01/board.json"),
                                 HasSubstr("has 11"), HasSubstr("write material.depth_um 11"));
-  EXPECT_THAT(stopped(), AllOf(names_both, Not(HasSubstr("--again"))));
-  EXPECT_THAT(next(), AllOf(names_both, Not(HasSubstr("--again"))));
+  EXPECT_THAT(stopped(), AllOf(names_both, Not(HasSubstr("--force"))));
+  EXPECT_THAT(next(), AllOf(names_both, Not(HasSubstr("--force"))));
   EXPECT_THAT(stopped(again({"round-01/board"})), names_both);
   EXPECT_EQ(text("round-01/board.json"), carved);
   // Nor where making it anew was cut off, and only former/ still tells; nor its tool or roughness.
@@ -201,7 +201,7 @@ TEST_F(LoopAnswering, CarvedBoardIsNotToldAnotherDepth) {
   // A corrected tag is taken over (and then the photo, which is none, is refused).
   write("board.json", believed);
   move_a_tag();
-  EXPECT_THAT(stopped(), HasSubstr("--again round-01/board"));
+  EXPECT_THAT(stopped(), HasSubstr("--force round-01/board"));
   stopped(again({"round-01/board"}));
   EXPECT_DOUBLE_EQ(read_board(project() / "round-01" / "board.json").tags.list.at(0).center_mm.x(), 10.25);
 }
@@ -226,7 +226,7 @@ TEST_F(LoopAnswering, StoppedDesignRaisesNoQuestionBehindIt) {
   fs::remove(project() / "round-01" / "scratches.csv");
   record({1, StageKind::design}, MadeRecord::Status::interrupted);
   EXPECT_THAT(asked(), IsEmpty());
-  EXPECT_THAT(next(), AllOf(HasSubstr("round-01/design: `burin loop"), HasSubstr("--keep")));
+  EXPECT_THAT(next(), AllOf(HasSubstr("round-01/design: `burin loop"), HasSubstr("--allow-stale")));
   // Kept: the tool path is made anew, of these scratches.
   const std::string after = stopped(keep());
   EXPECT_EQ(text("round-01/scratches.csv"), kTwoScratches);
@@ -252,8 +252,8 @@ TEST_F(LoopAnswering, AllQuestionsHaveOneAnswer) {
   design_round(2);
   move_a_tag();
   EXPECT_THAT(asked(), ElementsAre("round-01/board", "round-02/design", "round-02/toolpath", "round-02/board"));
-  const auto one_command = AllOf(HasSubstr("--again round-01/board --again round-02/design` makes"),
-                                 HasSubstr("--keep` goes on"), Not(HasSubstr("--again round-02/toolpath")));
+  const auto one_command = AllOf(HasSubstr("--force round-01/board --force round-02/design` makes"),
+                                 HasSubstr("--allow-stale` goes on"), Not(HasSubstr("--force round-02/toolpath")));
   EXPECT_THAT(stopped(), one_command);
   EXPECT_THAT(next(), one_command);
 }
@@ -265,7 +265,7 @@ TEST_F(LoopAnswering, OneAnswerKeepsWhatIsInTheMetal) {
   design_round(2);
   write("round-01/board.gcode", "edited");
   fs::remove(project() / "round-02" / "scratches.csv");
-  EXPECT_THAT(stopped(), AllOf(HasSubstr("--again round-02/design --keep`"), Not(HasSubstr("--again round-01"))));
+  EXPECT_THAT(stopped(), AllOf(HasSubstr("--force round-02/design --allow-stale`"), Not(HasSubstr("--force round-01"))));
 }
 
 TEST_F(LoopAnswering, RefusedBeforeTheFormerResultIsMoved) {
@@ -376,7 +376,7 @@ TEST_F(LoopAnswering, NextIsThePhotoThatIsMissing) {
   bench.lights.back().position_mm.x() += 500;
   bench.verdict[parameter::light_position("lamp-2")] = told_by_photos(Degree::not_determined);
   measure_round_1(bench);
-  const auto stops = AllOf(HasSubstr("depth_um is determined only weakly"), HasSubstr("--accept-unknown depth_um"),
+  const auto stops = AllOf(HasSubstr("depth_um is determined only weakly"), HasSubstr("--allow-undetermined depth_um"),
                            Not(HasSubstr("lamp-2")));
   EXPECT_THAT(stopped(), stops);
   EXPECT_THAT(next(), AllOf(stops, HasSubstr("620 mm above the lower left corner")));
@@ -510,7 +510,7 @@ TEST_F(LoopAnswering, PhotosUnderALampThatWasAddedAreSeen) {
   EXPECT_EQ(bench_of_photos(loop_.project, 2), project() / "bench.json");
   EXPECT_THAT(photos_of(loop_.project, 2), ElementsAre(photo));
   EXPECT_TRUE(basis_of(loop_, {2, StageKind::capture}).files.contains(project() / "bench.json"));
-  EXPECT_THAT(lamp_arguments(loop_.project, 2), ElementsAre("--light", "lamp")) << "those in no folder";
+  EXPECT_THAT(lamp_arguments(loop_.project, 2), ElementsAre("--lamp", "lamp")) << "those in no folder";
 }
 
 TEST_F(LoopAnswering, TimeLimitIsNamedWhereADesignEndsEarly) {

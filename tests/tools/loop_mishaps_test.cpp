@@ -145,14 +145,14 @@ void mishaps_before_carving(const Person& p) {
   const auto asks = [&](const std::vector<std::string>& words, const std::string& about) {
     const Outcome asked = p.loop(words);
     EXPECT_EQ(asked.exit_code, 1) << asked.out;
-    EXPECT_THAT(asked.err, AllOf(HasSubstr(about), HasSubstr("--again round-01/"), HasSubstr("--keep")));
+    EXPECT_THAT(asked.err, AllOf(HasSubstr(about), HasSubstr("--force round-01/"), HasSubstr("--allow-stale")));
     EXPECT_THAT(asked.out, Not(HasSubstr("> burin")));
   };
   // The board's file: named, kept when told so, and no question any more; back as it was, none either.
   const std::string board = p.text("board.json");
   p.folder.write("project/board.json", board + "\n");
   asks({}, "board.json changed since round-01/design");
-  EXPECT_EQ(p.loop({"--keep"}).exit_code, 0);
+  EXPECT_EQ(p.loop({"--allow-stale"}).exit_code, 0);
   EXPECT_EQ(p.loop().exit_code, 0);
   p.folder.write("project/board.json", board);
   EXPECT_EQ(p.loop().exit_code, 0);
@@ -161,10 +161,10 @@ void mishaps_before_carving(const Person& p) {
   fs::copy_file(p.project / "targets" / "moon.png", p.project / "targets" / "boat.png",
                 fs::copy_options::overwrite_existing);
   asks({}, "targets/boat.png changed since round-01/design");
-  ASSERT_EQ(p.loop({"--again", "design"}).exit_code, 0);
+  ASSERT_EQ(p.loop({"--force", "design"}).exit_code, 0);
   EXPECT_NE(p.text("round-01/scratches.csv"), scratches);
   p.folder.write("project/targets/boat.png", boat);
-  ASSERT_EQ(p.loop({"--again", "design"}).exit_code, 0);
+  ASSERT_EQ(p.loop({"--force", "design"}).exit_code, 0);
   EXPECT_EQ(p.text("round-01/scratches.csv"), scratches);
   bool former = false;
   for (const auto& entry : fs::recursive_directory_iterator(p.project / "round-01" / "former"))
@@ -175,7 +175,7 @@ void mishaps_before_carving(const Person& p) {
   EXPECT_EQ(p.loop({"--machine", "machines/spring.toml"}).exit_code, 0);
   p.folder.write("project/round-01/board.gcode", gcode + "G0 X0 Y0\n");
   asks({}, "round-01/board.gcode was changed by hand");
-  ASSERT_EQ(p.loop({"--again", "toolpath"}).exit_code, 0);
+  ASSERT_EQ(p.loop({"--force", "toolpath"}).exit_code, 0);
   EXPECT_EQ(p.text("round-01/board.gcode"), gcode);
 }
 
@@ -197,11 +197,11 @@ void mishaps_with_photos(const Person& p, std::mt19937& random) {
   const Outcome unknown = loop_with_stops(p, 3, random);
   EXPECT_EQ(unknown.exit_code, 1) << unknown.out;
   EXPECT_THAT(unknown.out, AllOf(HasSubstr("depth_um is not determined"), HasSubstr("next photo: camera")));
-  EXPECT_THAT(unknown.err, HasSubstr("--accept-unknown depth_um"));
+  EXPECT_THAT(unknown.err, HasSubstr("--allow-undetermined depth_um"));
   EXPECT_FALSE(fs::exists(p.project / "round-02" / "scratches.csv"));
-  EXPECT_EQ(p.loop({"--accept-unknown", "alpha"}).exit_code, 1);
+  EXPECT_EQ(p.loop({"--allow-undetermined", "alpha"}).exit_code, 1);
 
-  const Outcome metal = p.loop({"--again", "round-01/design"});
+  const Outcome metal = p.loop({"--force", "round-01/design"});
   EXPECT_EQ(metal.exit_code, 1);
   EXPECT_THAT(metal.err, HasSubstr("carved and photographed"));
 
@@ -216,7 +216,7 @@ void mishaps_with_photos(const Person& p, std::mt19937& random) {
   // A second design may have been made for the bench without that photo: it is not used for the bench with it.
   if (measured.exit_code != 0) {
     EXPECT_THAT(measured.err, AllOf(HasSubstr("round-01/bench.json"), HasSubstr("changed since round-02/design")));
-    measured = p.loop({"--again", "design"});
+    measured = p.loop({"--force", "design"});
   }
   ASSERT_EQ(measured.exit_code, 0) << measured.out << measured.err;
   EXPECT_EQ(p.text("round-01/sent.csv"), sent);
@@ -300,7 +300,7 @@ TEST(LoopMishaps, ProjectOfBeforeThereWereRecordsIsAskedAbout) {
   const Outcome asked = p.loop();
   EXPECT_EQ(asked.exit_code, 1);
   EXPECT_THAT(asked.err, HasSubstr("no record tells what it was made from"));
-  ASSERT_EQ(p.loop({"--keep"}).exit_code, 0);
+  ASSERT_EQ(p.loop({"--allow-stale"}).exit_code, 0);
   EXPECT_EQ(p.loop().exit_code, 0);
   EXPECT_EQ(p.text("round-01/board.gcode"), gcode);
   EXPECT_THAT(p.status().out, HasSubstr("from what is not known"));
@@ -311,16 +311,16 @@ TEST(LoopMishaps, OptionsAreTheCommandsOwn) {
   const std::string before = p.text("loop.toml");
   // What the command would refuse is refused before it is kept; a person's own lines stay.
   EXPECT_EQ(p.loop({"--iterations", "many"}).exit_code, 2);
-  EXPECT_EQ(p.loop({"--carve-hours", "soon"}).exit_code, 2);
+  EXPECT_EQ(p.loop({"--carve-time", "soon"}).exit_code, 2);
   EXPECT_EQ(p.loop({"--machine", "toaster"}).exit_code, 1);
   EXPECT_EQ(p.text("loop.toml"), before);
   p.folder.write("project/loop.toml",
                  "format = \"burin/loop\"  # mine\nversion = 1\n\n[design]\npixels = 128\niterations = 5 # few\n");
   // A limit of time ends a design early: not done, unless it is kept.
-  const Outcome ended = p.loop({"--scratches", "300", "--frame", "--time", "1s", "--iterations", "1000000"});
+  const Outcome ended = p.loop({"--count", "300", "--frame", "--time", "1s", "--iterations", "1000000"});
   EXPECT_EQ(ended.exit_code, 1);
-  EXPECT_THAT(ended.err, HasSubstr("`burin loop project --keep` takes it as good as it got"));
-  ASSERT_EQ(p.loop({"--keep"}).exit_code, 0);
+  EXPECT_THAT(ended.err, HasSubstr("`burin loop project --allow-stale` takes it as good as it got"));
+  ASSERT_EQ(p.loop({"--allow-stale"}).exit_code, 0);
   EXPECT_THAT(p.status().out, HasSubstr("ended early and kept"));
   EXPECT_THAT(p.text("loop.toml"),
               AllOf(HasSubstr("# mine"), HasSubstr("scratches = 300"), HasSubstr("[toolpath]\nframe = true")));

@@ -54,7 +54,7 @@ TEST(Loop, StopsForAPersonGoesOnAndMeasuresFromThePhotosAlone) {
       << "x0_mm,y0_mm,x1_mm,y1_mm,width_um,depth_um,alpha\n30,30,34,33,400,11,0.04\n80,70,82,74,400,9,0.05\n"
          "60,31,64,34,400,10,0.06\n";
   EXPECT_EQ(run_burin(folder, {"loop", "project"}).exit_code, 1) << "changed by hand: it asks";
-  ASSERT_EQ(run_burin(folder, {"loop", "project", "--keep"}).exit_code, 0);
+  ASSERT_EQ(run_burin(folder, {"loop", "project", "--allow-stale"}).exit_code, 0);
   const Scratches sent = read_scratches(round / "sent.csv");
   ASSERT_EQ(sent.size(), 3U);
   ASSERT_EQ(sent.alpha.size(), 3U);
@@ -68,7 +68,7 @@ TEST(Loop, StopsForAPersonGoesOnAndMeasuresFromThePhotosAlone) {
 
   // The workshop carves what the machine was sent, and the loop goes on from there.
   fs::copy_file(folder / "truth.json", project / "truth.json");
-  const Outcome turned = run_burin(folder, {"loop", "project", "--accept-unknown", "depth_um"});
+  const Outcome turned = run_burin(folder, {"loop", "project", "--allow-undetermined", "depth_um"});
   ASSERT_EQ(turned.exit_code, 0) << turned.out << turned.err;
   EXPECT_THAT(turned.out, HasSubstr("== round-01: photos (carve and photograph"));
   EXPECT_THAT(turned.out, HasSubstr("The loop has turned 1 time"));
@@ -86,7 +86,7 @@ TEST(Loop, StopsForAPersonGoesOnAndMeasuresFromThePhotosAlone) {
   // Without the truth, and with its records alone: the same photos give the same bench, to the bit.
   const std::string bench = file_text(round / "bench.json");
   fs::remove(project / "truth.json");
-  const Outcome again = run_burin(folder, {"loop", "project", "--again", "round-01/refine"});
+  const Outcome again = run_burin(folder, {"loop", "project", "--force", "round-01/refine"});
   ASSERT_EQ(again.exit_code, 0) << again.out << again.err;
   EXPECT_THAT(again.out, HasSubstr("Going on with: round-01: refine"));
   EXPECT_EQ(file_text(round / "bench.json"), bench);

@@ -255,7 +255,7 @@ class NewProjectTest : public ::testing::Test {
 
 TEST_F(NewProjectTest, IsReadByTheOrdinaryReadersAndPreviewed) {
   const Outcome made =
-      make({"my board", "--board", "12x9cm", "--pictures", "a.png", "b.png", "c.png", "--scratches", "600"});
+      make({"my board", "--board", "12x9cm", "--pictures", "a.png", "b.png", "c.png", "--count", "600"});
   ASSERT_EQ(made.exit_code, 0) << made.err;
   EXPECT_THAT(made.err, AllOf(Not(HasSubstr("note:")), Not(HasSubstr("warning:"))));
   EXPECT_THAT(made.out, AllOf(HasSubstr("next: burin loop 'my board'"), HasSubstr(" dB"),
@@ -283,7 +283,7 @@ TEST_F(NewProjectTest, IsReadByTheOrdinaryReadersAndPreviewed) {
 }
 
 TEST_F(NewProjectTest, DefaultsNeedPicturesOnly) {
-  const Outcome made = make({"p", "--pictures", "a.png", "--scratches", "300"});
+  const Outcome made = make({"p", "--pictures", "a.png", "--count", "300"});
   ASSERT_EQ(made.exit_code, 0) << made.err;
   EXPECT_THAT(made.out, HasSubstr("--board 200x150, --camera phone"));
   EXPECT_THAT(file_text(folder_ / "p" / "loop.toml"), HasSubstr("machine = \"grbl-spring\""));
@@ -293,14 +293,14 @@ TEST_F(NewProjectTest, NotesNameFilesWhereTheyAreInTheEnd) {
   Image night(60, 40, 1, 0.0F);
   night.at(20, 20) = 1;
   write_picture(night, folder_ / "night.png");
-  const Outcome made = make({"p", "--pictures", "night.png", "--scratches", "300"});
+  const Outcome made = make({"p", "--pictures", "night.png", "--count", "300"});
   ASSERT_EQ(made.exit_code, 0) << made.err;
   EXPECT_THAT(made.err, HasSubstr("warning: p/targets/night.png: is nearly black"));
 }
 
 TEST_F(NewProjectTest, BoardsInInchesAreEchoedAndBareSmallOnesAskedFor) {
   const Outcome made =
-      make({"p", "--board", "6x4in", "--lamp", "above 24in", "--pictures", "a.png", "--scratches", "300"});
+      make({"p", "--board", "6x4in", "--lamp", "above 24in", "--pictures", "a.png", "--count", "300"});
   ASSERT_EQ(made.exit_code, 0) << made.err;
   EXPECT_THAT(made.out,
               AllOf(HasSubstr("Board: 6x4in, that is 152.4 x 101.6 mm"), HasSubstr("Lamp: above 24in, that is")));
@@ -317,7 +317,7 @@ TEST_F(NewProjectTest, PicturesThatCannotBeRecognizedAreNotPraised) {
   for (int y = 0; y < 800; y += 160)
     for (int x = 80; x < 1120; ++x) lines.at(x, y) = 0;
   write_picture(lines, folder_ / "lines.png");
-  const Outcome made = make({"p", "--board", "6x4in", "--pictures", "a.png", "lines.png", "--scratches", "2000"});
+  const Outcome made = make({"p", "--board", "6x4in", "--pictures", "a.png", "lines.png", "--count", "2000"});
   ASSERT_EQ(made.exit_code, 0) << made.err;
   EXPECT_THAT(made.err, HasSubstr("lines.png: is nearly white"));
   EXPECT_THAT(made.out, ::testing::ContainsRegex("lines [0-9.]+ dB \\((shows nothing of it|hard to recognize)\\)"));
@@ -325,7 +325,7 @@ TEST_F(NewProjectTest, PicturesThatCannotBeRecognizedAreNotPraised) {
 }
 
 TEST_F(NewProjectTest, TooManyPicturesForABoardAreSaidBeforeTheLoop) {
-  std::vector<std::string> line{"p", "--board", "100x75", "--scratches", "3000", "--pictures"};
+  std::vector<std::string> line{"p", "--board", "100x75", "--count", "3000", "--pictures"};
   for (int k = 0; k < 9; ++k) {
     Image image(120, 90, 1, 0.1F);
     for (int y = 0; y < 90; ++y)
@@ -341,7 +341,7 @@ TEST_F(NewProjectTest, TooManyPicturesForABoardAreSaidBeforeTheLoop) {
 }
 
 TEST_F(NewProjectTest, ThePreviewNamesItsPictures) {
-  ASSERT_EQ(make({"p", "--pictures", "a.png", "b.png", "--scratches", "300"}).exit_code, 0);
+  ASSERT_EQ(make({"p", "--pictures", "a.png", "b.png", "--count", "300"}).exit_code, 0);
   for (const char* file : {"preview.png", "crops.png"}) {
     const Image picture = read_picture(folder_ / "p" / file);
     float brightest = 0;  // in the line of names
@@ -353,7 +353,7 @@ TEST_F(NewProjectTest, ThePreviewNamesItsPictures) {
 
 TEST_F(NewProjectTest, OnePictureGivenTwiceIsNoticed) {
   fs::copy_file(folder_ / "a.png", folder_ / "again.png");
-  const Outcome made = make({"p", "--pictures", "a.png", "b.png", "again.png", "--scratches", "300"});
+  const Outcome made = make({"p", "--pictures", "a.png", "b.png", "again.png", "--count", "300"});
   ASSERT_EQ(made.exit_code, 0) << made.err;
   EXPECT_THAT(made.err, HasSubstr("a.png and again.png are the same picture"));
   EXPECT_THAT(made.err, Not(HasSubstr("b.png and")));
@@ -400,7 +400,7 @@ TEST_F(NewProjectTest, PicturesOfOneNameAndOfAnyShape) {
   drawing(90, 200, folder_ / "other" / "a.png");
   drawing(100, 100, folder_ / "my cat (1).png");
   fs::create_directory(folder_ / "p");  // empty: that is as good as none
-  const Outcome made = make({"p/", "--pictures", "a.png", "other/a.png", "my cat (1).png", "--scratches", "300"});
+  const Outcome made = make({"p/", "--pictures", "a.png", "other/a.png", "my cat (1).png", "--count", "300"});
   ASSERT_EQ(made.exit_code, 0) << made.err;
   const DesignSpec spec = read_design(folder_ / "p" / "design.json");
   EXPECT_EQ(spec.views[0].view, "a");
@@ -417,7 +417,7 @@ TEST_F(NewProjectTest, PicturesOfOneNameAndOfAnyShape) {
 TEST_F(NewProjectTest, CropsAreSaidAndObeyed) {
   drawing(512, 512, folder_ / "square.png");
   const Outcome made = make({"p", "--board", "200x150", "--pictures", "square.png", "a.png", "--keep", "bottom",
-                             "middle", "--fit", "cover", "contain", "--scratches", "300"});
+                             "middle", "--fit", "cover", "contain", "--count", "300"});
   ASSERT_EQ(made.exit_code, 0) << made.err;
   EXPECT_THAT(made.out, HasSubstr("square.png, 512 x 512 on "));
   EXPECT_THAT(made.out, HasSubstr("the top loses"));
@@ -428,7 +428,7 @@ TEST_F(NewProjectTest, CropsAreSaidAndObeyed) {
 
 // A face is 64 pixels high where a board is three times as wide as high.
 TEST_F(NewProjectTest, ALongBoardsPreviewIsNotCoarse) {
-  const Outcome made = make({"p", "--board", "450x200", "--pictures", "a.png", "--scratches", "300"});
+  const Outcome made = make({"p", "--board", "450x200", "--pictures", "a.png", "--count", "300"});
   ASSERT_EQ(made.exit_code, 0) << made.err;
   EXPECT_THAT(made.out, HasSubstr(" x 64 pixels, "));
 }

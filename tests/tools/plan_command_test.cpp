@@ -77,7 +77,7 @@ TEST(PlanCommand, AProjectsFolderIsEnough) {
   }
   for (const char* wrong : {"500", "900-100", "1-2km"})
     EXPECT_EQ(run_burin(folder, {"plan", kSampleBench, std::string("--focus-range=") + wrong}).exit_code, 1) << wrong;
-  EXPECT_EQ(run_burin(folder, {"plan", kSampleBench, "--focus-range", "450-600", "--focus-mm", "700"}).exit_code, 1);
+  EXPECT_EQ(run_burin(folder, {"plan", kSampleBench, "--focus-range", "450-600", "--focus", "700"}).exit_code, 1);
 }
 
 TEST(PlanCommand, LampsThatAreGivenReplaceTheBenchs) {

@@ -36,7 +36,7 @@ struct SpringProject {
   SpringProject() { make_tiny_project(folder, {"d0", "d1"}, 0.5); }
   void design() const {
     const Outcome made = run_burin(folder, {"loop", "project", "--machine", "grbl-spring", "--iterations", "4",
-                                            "--pixels", "64", "--scratches", "200"});
+                                            "--pixels", "64", "--count", "200"});
     ASSERT_EQ(made.exit_code, 0) << made.out << made.err;
   }
   Outcome in(const std::string& directory, const std::vector<std::string>& words) const {
@@ -153,8 +153,8 @@ TEST(ProjectSettings, ViewsAndPlansAreOfTheProjectThatOneIsIn) {
   EXPECT_EQ(plan["shots"].size(), 4U);
   EXPECT_THAT(p.in("project", {"status"}).out, Not(HasSubstr("again")));
   // Other scratches: the photos were planned for those of before.
-  ASSERT_EQ(p.in(".", {"loop", "project", "--scratches", "210"}).exit_code, 1);
-  ASSERT_EQ(p.in(".", {"loop", "project", "--again", "design"}).exit_code, 0);
+  ASSERT_EQ(p.in(".", {"loop", "project", "--count", "210"}).exit_code, 1);
+  ASSERT_EQ(p.in(".", {"loop", "project", "--force", "design"}).exit_code, 0);
   EXPECT_THAT(p.in("project", {"status"}).out, AllOf(HasSubstr("burin sheet"), HasSubstr("again: the scratches")));
 }
 
@@ -165,7 +165,7 @@ TEST(ProjectSettings, ProgramsOptionsStandBehindTheCommandToo) {
   EXPECT_EQ(nlohmann::json::parse(json.out)["command"], "print");
   EXPECT_EQ(p.in("project", {"print", "--out", "tags.pdf", "--threads", "0"}).exit_code, 2);
   const std::string status = p.in("project", {"status", "--json"}).out;
-  EXPECT_EQ(nlohmann::json::parse(status)["format"], "burin/status") << "its own";
+  EXPECT_EQ(nlohmann::json::parse(status)["data"]["stages"].size(), 11U) << status;
   EXPECT_EQ(p.in("project", {"--json", "status"}).out, status) << "on either side";
   EXPECT_EQ(nlohmann::json::parse(p.in(".", {"--json", "status", "none"}).out)["exit_code"], 1);
   EXPECT_EQ(nlohmann::json::parse(p.in("project", {"check", "--json", "ndf", "none.csv"}).out)["command"], "check");
@@ -236,7 +236,7 @@ TEST(ProjectSettings, ADesignNamesAKeepOutWhoseHeightIsNotKnown) {
   auto board = read_json_file(p.project / "board.json");
   board["keep_out"] = {{{"name", "clamp"}, {"center_mm", {60, 60}}, {"radius_mm", 3}}};
   p.folder.write("project/board.json", board.dump());
-  const std::vector<std::string> design{"design", "project/design.json", "--out", "d", "--scratches", "50", "--pixels",
+  const std::vector<std::string> design{"design", "project/design.json", "--out", "d", "--count", "50", "--pixels",
                                         "48",     "--iterations",        "1"};
   EXPECT_THAT(p.in(".", design).err,
               AllOf(HasSubstr("board.json"), HasSubstr("nobody said how high the keep-out clamp stands"),

@@ -96,7 +96,7 @@ TEST_F(RenderCommand, SeveralLampsShineAtOnce) {
   std::ofstream(folder_ / "bench" / "bench.json") << bench;
   const auto under = [&](const std::string& out, const std::vector<std::string>& lamps) {
     std::vector<std::string> words{"--view", "d0", "--scratches", "all.csv"};
-    for (const std::string& lamp : lamps) words.insert(words.end(), {"--light", lamp});
+    for (const std::string& lamp : lamps) words.insert(words.end(), {"--lamp", lamp});
     return picture(out, words);
   };
   const Image a = under("a.exr", {"lamp"}), b = under("b.exr", {"other"}), both = under("both.exr", {"lamp", "other"});
@@ -113,7 +113,7 @@ TEST_F(RenderCommand, WhatIsNotThereIsNamed) {
     EXPECT_FALSE(fs::exists(folder_ / "out.exr"));
   };
   expect({"--view", "d7", "--scratches", "all.csv"}, "d7", "d0");
-  expect({"--view", "d0", "--light", "sun", "--scratches", "all.csv"}, "sun", "lamp");
+  expect({"--view", "d0", "--lamp", "sun", "--scratches", "all.csv"}, "sun", "lamp");
   expect({"--view", "d0", "--scratches", "none.csv"}, "none.csv", "");
   expect({"--view", "d0"}, "bench/scratches.csv", "does not exist");  // the board's own, not made yet
   EXPECT_EQ(render("out.xyz", {"--view", "d0", "--scratches", "all.csv"}).exit_code, 1);

@@ -69,7 +69,7 @@ TEST_F(Stop, IsSaidAsJsonWhereAllIs) {
   json.replace(json.find(" simulate"), 9, " --json simulate");
   const Outcome ended = run(stopped(json, "kill -TERM $pid"));
   EXPECT_THAT(ended.out,
-              AllOf(HasSubstr("\"exit_code\": 143"), HasSubstr("\"stopped by SIGTERM"), HasSubstr("exit code 143")));
+              AllOf(HasSubstr("\"exit_code\": 143"), HasSubstr("stopped by SIGTERM"), HasSubstr("exit code 143")));
   EXPECT_EQ(ended.err, "");
 }
 
@@ -82,7 +82,7 @@ TEST_F(Stop, AHangupThatIsIgnoredStaysIgnored) {
 
 // A design keeps what it has at the first signal; the second one ends it, wherever it is, even in its guided start.
 TEST_F(Stop, ASecondSignalEndsAtOnce) {
-  const std::string design = burin() + " design bench/design.json --out out --scratches 200000 --pixels 600";
+  const std::string design = burin() + " design bench/design.json --out out --count 200000 --pixels 600";
   const Outcome ended = run(stopped(design, "kill -INT $pid; sleep 0.7; kill -INT $pid 2>/dev/null"));
   EXPECT_THAT(ended.out, HasSubstr("exit code 130")) << ended.err;
   EXPECT_EQ(
@@ -141,7 +141,7 @@ TEST_F(Stop, WithoutThreadsASentenceIsSaid) {
   const std::string library = places::binary() + "/tests/libburin_few_threads.so";
   if (!std::filesystem::exists(library)) GTEST_SKIP() << "preloading is not tried beside a sanitizer";
   const std::string few = "LD_PRELOAD=" + quoted(library) + " BURIN_MOST_THREADS=";
-  for (const std::string command : {" design bench/design.json --out out --scratches 50 --pixels 48 --iterations 1",
+  for (const std::string command : {" design bench/design.json --out out --count 50 --pixels 48 --iterations 1",
                                     " status bench", " watch bench --once", " print bench --out tags.pdf",
                                     " --json render bench/board.json --bench bench/bench.json --view d0 --out d0.png"})
     for (int threads = 0; threads < 9; ++threads) {  // libraries begin some while they are loaded
@@ -171,7 +171,7 @@ TEST(Stops, AtRandomMomentsLoseNothing) {
 TEST(Simd, IsChosenByOptionOrEnvironmentAndWrittenDown) {
   const TemporaryFolder folder;
   const std::string bench = places::source() + "/samples/small-bench";
-  const std::vector<std::string> design{"design", bench + "/design.json", "--scratches", "100",  "--pixels",
+  const std::vector<std::string> design{"design", bench + "/design.json", "--count", "100",  "--pixels",
                                         "48",     "--iterations",         "3",           "--out"};
   const auto made_with = [&](std::vector<std::string> before, const std::string& out) {
     before.insert(before.end(), design.begin(), design.end());
@@ -184,7 +184,7 @@ TEST(Simd, IsChosenByOptionOrEnvironmentAndWrittenDown) {
   EXPECT_THAT(made_with({"--simd", "sse2"}, "a"), HasSubstr("\"simd\": \"sse2\""));
   const Outcome by_environment =
       run_shell(folder, "cd " + quoted(folder.path().string()) + " && BURIN_SIMD=sse2 " + burin() + " design " +
-                            quoted(bench + "/design.json") + " --scratches 100 --pixels 48 --iterations 3 --out b");
+                            quoted(bench + "/design.json") + " --count 100 --pixels 48 --iterations 3 --out b");
   ASSERT_EQ(by_environment.exit_code, 0) << by_environment.err;
   EXPECT_EQ(file_text(folder / "a" / "scratches.csv"), file_text(folder / "b" / "scratches.csv"));
   EXPECT_THAT(file_text(folder / "b" / "design-report.json"), HasSubstr("\"simd\": \"sse2\""));

@@ -179,7 +179,7 @@ TEST_F(ViewPage, AddsUpTheLightOfLampsThatShineAtOnce) {
   Chromium browser(folder_);
   for (const auto& [name, light] : {std::pair{"d0", "red + green + blue"}, std::pair{"d1", "green + blue"}}) {
     const Outcome run =
-        run_burin(folder_, {"render", "project/board.json", "--bench", "project/bench.json", "--view", name, "--light",
+        run_burin(folder_, {"render", "project/board.json", "--bench", "project/bench.json", "--view", name, "--lamp",
                             light, "--scratches", "project/design/scratches.csv", "--out", "render.png"});
     ASSERT_EQ(run.exit_code, 0) << run.err;
     const Image whole = read_picture(folder_ / "render.png");

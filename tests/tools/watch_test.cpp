@@ -215,7 +215,7 @@ TEST_F(WatchCommand, JudgesPhotosThatArriveSlowly) {
   // One grows in two halves, one comes under another name first, one is renamed later, one is never more than begun.
   const Outcome run = run_shell(
       folder, "cd " + quoted(folder.path().string()) + "; timeout 90 " + quoted(places::program()) +
-                  " watch 'my board' --photos in --json >log & pid=$!;"
+                  " watch 'my board' --photos in --json-lines >log & pid=$!;"
                   "said() { for i in $(seq 300); do grep -q \"$1\" log && return; sleep 0.1; done; }; said began;"
                   "head -c 20000 a-1.jpg >in/a-1.jpg; sleep 1.2; tail -c +20001 a-1.jpg >>in/a-1.jpg; said a-1.jpg;"
                   "cp a-2.jpg in/.a-2.jpg.part; mv in/.a-2.jpg.part in/a-2.jpg; head -c 9000 b-1.jpg >in/c.jpg;"
@@ -224,7 +224,7 @@ TEST_F(WatchCommand, JudgesPhotosThatArriveSlowly) {
   std::map<std::string, Json> of;
   std::vector<std::string> events;
   for (const Json& line : lines(file_text(folder / "log"))) {
-    if (line.contains("event"))
+    if (line["event"] != "photo")
       events.push_back(line["event"]);
     else
       of[fs::path(line["photo"].get<std::string>()).filename()] = line;
@@ -235,7 +235,7 @@ TEST_F(WatchCommand, JudgesPhotosThatArriveSlowly) {
   EXPECT_EQ(of["a-1.jpg"]["tags"].size(), 6U);
   EXPECT_THAT(of["a-1.jpg"]["now"].get<std::string>(), HasSubstr("the same place at 1/500 s"));
   EXPECT_EQ(of["b-2.jpg"]["state"], "2 of 2 shots");
-  EXPECT_THAT(events, UnorderedElementsAre("began", "renamed", "unreadable", "finished"));
+  EXPECT_THAT(events, UnorderedElementsAre("began", "renamed", "unreadable", "finished", "result"));
   EXPECT_TRUE(file_text(folder / "in/a-1.jpg") == file_text(folder / "a-1.jpg")) << "a photo was touched";
 }
 
@@ -266,7 +266,7 @@ TEST_F(WatchCommand, OnePhotoAShotByContentAndExif) {
   write_raw("in/a-1 (raw).DNG", 1.0 / 60);  // another stem, the same picture
   write_raw("in/a-2.DNG", 1.0 / 30);        // the stem of another exposure
   fs::copy_file(folder / "in/a-1.jpg", folder / "in/z copy.jpg");
-  const Outcome run = run_burin(folder, {"watch", "my board", "--photos", "in", "--once", "--json"});
+  const Outcome run = run_burin(folder, {"watch", "my board", "--photos", "in", "--once", "--json-lines"});
   EXPECT_EQ(run.exit_code, 0) << run.err;
   std::map<std::string, std::string> said;
   std::vector<std::string> judged;
@@ -481,19 +481,19 @@ TEST_F(WatchCommand, FoldersNameTheLamps) {
   fs::copy_file(folder / "in/a-1.jpg", folder / "in/left/b-1.jpg");
   Outcome run = run_burin(folder, {"watch", "my board", "--photos", "in", "--copy", "--once"});
   EXPECT_EQ(run.exit_code, 0) << run.err;
-  EXPECT_THAT(run.out, AllOf(HasSubstr("put them into in/lamp and in/left, or say which is on with --light NAME"),
+  EXPECT_THAT(run.out, AllOf(HasSubstr("put them into in/lamp and in/left, or say which is on with --lamp NAME"),
                              HasSubstr("a-1.jpg: shot \"p1\""), HasSubstr("nothing tells which lamp was on"),
                              HasSubstr("b-1.jpg (lamp \"left\"): shot \"p1\"")));
   EXPECT_TRUE(fs::exists(project / "round-01/photos/left/b-1.jpg"));
   EXPECT_FALSE(fs::exists(project / "round-01/photos/a-1.jpg"));
-  run = run_burin(folder, {"watch", "my board", "--photos", "in", "--copy", "--once", "--light", "lamp"});
+  run = run_burin(folder, {"watch", "my board", "--photos", "in", "--copy", "--once", "--lamp", "lamp"});
   EXPECT_EQ(run.exit_code, 0) << run.err;
   EXPECT_THAT(run.out, AllOf(HasSubstr("1 of 2 shots, 1 begun"), Not(HasSubstr("nothing tells"))));
   EXPECT_TRUE(fs::exists(project / "round-01/photos/lamp/a-1.jpg"));
-  EXPECT_THAT(run_burin(folder, {"watch", "my board", "--photos", "in", "--light", "lefd"}).err,
-              HasSubstr("--light lefd: no photos are wanted under a lamp of that name; choose one of: lamp, left"));
+  EXPECT_THAT(run_burin(folder, {"watch", "my board", "--photos", "in", "--lamp", "lefd"}).err,
+              HasSubstr("--lamp lefd: no photos are wanted under a lamp of that name; choose one of: lamp, left"));
   EXPECT_THAT(run_burin(folder, {"watch", "my board", "--tether"}).err,
-              HasSubstr("burin watch 'my board' --tether --light lamp; then the next one"));
+              HasSubstr("burin watch 'my board' --tether --lamp lamp; then the next one"));
 }
 
 TEST_F(WatchCommand, SaysWhatCannotBeWatched) {

@@ -125,7 +125,7 @@ TEST_F(Writing, OneCommandAtATimeInAFolderOfResults) {
       {"sheet", "p"},
       {"view", "p"},
       {"check", "carve", "p/round-01"},
-      {"lens", "p", "--chessboard", "9x6", "--square-mm", "25", "--out", "p/round-01/lens.cameramodel"},
+      {"lens", "p", "--chessboard", "9x6", "--square", "25", "--out", "p/round-01/lens.cameramodel"},
       {"coupon", "write", "--machine", "grbl-spring", "--out", "p/round-01/coupon"}};
   for (const std::vector<std::string>& command : others) {
     const Outcome other = run_burin(folder, command);
@@ -150,7 +150,7 @@ TEST_F(Writing, ViewsInAnyScriptHaveFilesOfTheirOwn) {
   folder.write("p/bench.json", bench);
   folder.write("p/design.json", spec);
   ASSERT_EQ(run_burin(folder, {"design", "p/design.json", "--out", "d", "--iterations", "1", "--pixels", "48",
-                               "--scratches", "30"})
+                               "--count", "30"})
                 .exit_code,
             0);
   EXPECT_TRUE(fs::exists(folder / "d/preview-左.png") && fs::exists(folder / "d/preview-右.png"));

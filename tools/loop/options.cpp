@@ -15,6 +15,8 @@
 #include "tools/commands.h"
 #include "tools/loop/toml_line.h"
 #include "tools/new/words.h"
+#include "tools/old_names.h"
+#include "tools/steps.h"
 
 namespace burin {
 namespace {
@@ -23,7 +25,19 @@ namespace fs = std::filesystem;
 
 const std::string kUsualMachine = "grbl";
 
+// Adds a command's options, and returns the owner of their values.
 using AddOptions = std::shared_ptr<void> (*)(CLI::App&);
+
+template <typename Arguments, void (*add)(CLI::App&, Arguments&)>
+std::shared_ptr<void> own_options(CLI::App& app) {
+  auto arguments = std::make_shared<Arguments>();
+  add(app, *arguments);
+  return arguments;
+}
+
+constexpr AddOptions kDesign = own_options<DesignArguments, add_design_options>,
+                     kToolpath = own_options<ToolpathArguments, add_toolpath_options>,
+                     kCapture = own_options<CaptureArguments, add_capture_options>;
 
 fs::path options_file(const fs::path& project) { return project / "loop.toml"; }
 
@@ -39,9 +53,9 @@ struct Parser {
 std::vector<std::string> words_of(const CommandOptions& options) {
   std::vector<std::string> words;
   for (const auto& [name, values] : options) {
+    if (values.empty()) words.push_back("--" + name);
     // "--rate=-1": a value with a leading dash is no option.
-    words.push_back("--" + name + (values.size() == 1 ? "=" + values.front() : ""));
-    if (values.size() > 1) words.insert(words.end(), values.begin(), values.end());
+    for (const std::string& value : values) words.push_back("--" + name + "=" + value);
   }
   return words;
 }
@@ -61,7 +75,16 @@ CommandOptions read_command(JsonObject& root, const std::string& command, AddOpt
   const Parser parser(add);
   for (const std::string& name : table.keys()) {
     const Json& value = table.raw(name);
-    const CLI::Option* option = parser.option(name);
+    const bool is_old = with_new_name(command, name, {}).name != name;
+    const CLI::Option* option = parser.option(with_new_name(command, name, {}).name);
+    if (is_old && option != nullptr) {
+      if (value == false) continue;
+      std::vector<std::string> values;
+      if (!value.is_boolean()) values = {text_of(value, table, name)};
+      const NamedValues now = with_new_name(command, name, values);
+      options[now.name].insert(options[now.name].end(), now.values.begin(), now.values.end());
+      continue;
+    }
     if (!option)
       table.fail_field(name, "is no option of burin " + command,
                        "`burin loop --help` lists them; their dashes are left out here");
@@ -159,9 +182,9 @@ LoopOptions read_options_file(const fs::path& file) {
     root.has("format");
     root.has("version");
     options.machine = root.text("machine", "");
-    options.design = read_command(root, "design", &add_design_options);
-    options.toolpath = read_command(root, "toolpath", &add_toolpath_options);
-    options.capture = read_command(root, "capture", &add_capture_options);
+    options.design = read_command(root, "design", kDesign);
+    options.toolpath = read_command(root, "toolpath", kToolpath);
+    options.capture = read_command(root, "capture", kCapture);
     MachineProfile reach;
     read_travel(root, reach);
     options.travel = reach.travel;
@@ -171,9 +194,9 @@ LoopOptions read_options_file(const fs::path& file) {
         options.accept_unknown.push_back(text_of(name, root, "accept_unknown"));
     root.finish();
   });
-  check_command(options.design, "design", &add_design_options, file);
-  check_command(options.toolpath, "toolpath", &add_toolpath_options, file);
-  check_command(options.capture, "capture", &add_capture_options, file);
+  check_command(options.design, "design", kDesign, file);
+  check_command(options.toolpath, "toolpath", kToolpath, file);
+  check_command(options.capture, "capture", kCapture, file);
   return options;
 }
 
@@ -201,11 +224,11 @@ void add_loop_options(CLI::App& command, LoopCommandLine& said) {
                      "Carve on this machine: " + built_in_machines() +
                          ", or a burin/machine file (JSON or TOML), kept in loop.toml [default: grbl]");
   said.design = command.add_option_group("design", "Options of burin design, kept in PROJECT_DIR/loop.toml");
-  said.design_values = add_design_options(*said.design);
+  said.design_values = kDesign(*said.design);
   said.toolpath = command.add_option_group("toolpath", "Options of burin toolpath, kept in PROJECT_DIR/loop.toml");
-  said.toolpath_values = add_toolpath_options(*said.toolpath);
+  said.toolpath_values = kToolpath(*said.toolpath);
   said.capture = command.add_option_group("capture", "Options of burin capture, kept in PROJECT_DIR/loop.toml");
-  said.capture_values = add_capture_options(*said.capture);
+  said.capture_values = kCapture(*said.capture);
   command.add_option("--travel", said.travel,
                      "Set the machine's reach from the board's lower left corner, mm: 300x180, or unknown; kept in "
                      "loop.toml [default: ask once at a terminal]");
@@ -277,23 +300,48 @@ std::string machine_argument(const LoopOptions& options, const fs::path& project
 }
 
 std::vector<std::string> design_arguments(const LoopOptions& options, const fs::path& project) {
-  return arguments_of(options.design, &add_design_options, project);
+  return arguments_of(options.design, kDesign, project);
 }
 
 std::vector<std::string> toolpath_arguments(const LoopOptions& options, const fs::path& project) {
-  return arguments_of(options.toolpath, &add_toolpath_options, project);
+  return arguments_of(options.toolpath, kToolpath, project);
 }
 
 std::vector<std::string> capture_arguments(const LoopOptions& options, const fs::path& project) {
-  return arguments_of(options.capture, &add_capture_options, project);
+  return arguments_of(options.capture, kCapture, project);
+}
+
+namespace {
+
+// Sets the given options of a command's arguments.
+template <typename Arguments>
+void give(std::vector<std::string> words, void (*add)(CLI::App&, Arguments&), Arguments& arguments) {
+  CLI::App app;
+  add(app, arguments);
+  std::reverse(words.begin(), words.end());  // CLI11 takes a stack
+  app.parse(words);
+}
+
+}  // namespace
+
+void give_options(const LoopOptions& options, const fs::path& project, DesignArguments& arguments) {
+  give(design_arguments(options, project), add_design_options, arguments);
+}
+
+void give_options(const LoopOptions& options, const fs::path& project, ToolpathArguments& arguments) {
+  give(toolpath_arguments(options, project), add_toolpath_options, arguments);
+}
+
+void give_options(const LoopOptions& options, const fs::path& project, CaptureArguments& arguments) {
+  give(capture_arguments(options, project), add_capture_options, arguments);
 }
 
 std::vector<fs::path> design_option_files(const LoopOptions& options, const fs::path& project) {
-  return files_of(options, options.design, &add_design_options, project);
+  return files_of(options, options.design, kDesign, project);
 }
 
 std::vector<fs::path> toolpath_option_files(const LoopOptions& options, const fs::path& project) {
-  return files_of(options, options.toolpath, &add_toolpath_options, project);
+  return files_of(options, options.toolpath, kToolpath, project);
 }
 
 OptionTexts texts_of(const CommandOptions& command) {

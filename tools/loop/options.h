@@ -29,6 +29,10 @@
 
 namespace burin {
 
+struct CaptureArguments;
+struct DesignArguments;
+struct ToolpathArguments;
+
 /// Options of one command: values as text by name without dashes; a flag has none.
 using CommandOptions = std::map<std::string, std::vector<std::string>>;
 
@@ -71,6 +75,11 @@ std::string machine_argument(const LoopOptions& options, const std::filesystem::
 std::vector<std::string> design_arguments(const LoopOptions& options, const std::filesystem::path& project);
 std::vector<std::string> toolpath_arguments(const LoopOptions& options, const std::filesystem::path& project);
 std::vector<std::string> capture_arguments(const LoopOptions& options, const std::filesystem::path& project);
+
+/// Set the project's options of a command in the arguments of its function (tools/steps.h).
+void give_options(const LoopOptions& options, const std::filesystem::path& project, DesignArguments& arguments);
+void give_options(const LoopOptions& options, const std::filesystem::path& project, ToolpathArguments& arguments);
+void give_options(const LoopOptions& options, const std::filesystem::path& project, CaptureArguments& arguments);
 
 /// Files among the options, and texts of the options for a record: "machine", and each option.
 std::vector<std::filesystem::path> design_option_files(const LoopOptions& options,

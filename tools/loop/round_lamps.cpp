@@ -123,7 +123,7 @@ std::vector<std::string> lamp_arguments(const Project& project, int round) {
   if (lamps_named(bench_of_photos(project, round)).size() < 2) return {};
   const std::vector<std::string> lamps = lamps_of_round(project, round);
   if (lamps.size() != 1) return {};
-  return {"--light", lamps.front()};
+  return {"--lamp", lamps.front()};
 }
 
 void make_photo_folders(const Project& project, int round) {

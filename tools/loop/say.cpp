@@ -89,7 +89,7 @@ std::string next_of_stage(const LoopProject& loop, const StageState& state) {
   std::string next = fmt::format("{}: `{}`", name_of(loop.project, state.at), loop_line(loop.project));
   if (state.condition == Condition::interrupted)
     return fmt::format("{}{} (or `{}`, which takes it as good as it got)", next, time_limit_in_words(loop),
-                       loop_line(loop.project, "--keep"));
+                       loop_line(loop.project, "--allow-stale"));
   if (state.at.stage == StageKind::check && state.condition == Condition::stopped && has_result(loop, state.at))
     return fmt::format("correct the errors in {}; then `{}`",
                        (folder_of(loop.project, state.at) / "carve-check.html").string(), loop_line(loop.project));
@@ -167,9 +167,9 @@ LoopQuestion question_of(const LoopProject& loop, const StageState& state) {
     question.what = fmt::format("{} since {} was made", in_words(state.changes), place);
   const std::vector<ToldOtherwise> told = carved_otherwise(loop, state);
   if (!told.empty()) question.what += ": " + in_words(told);
-  const std::string keep = fmt::format("`{}` goes on with it as it is", loop_line(project, "--keep"));
+  const std::string keep = fmt::format("`{}` goes on with it as it is", loop_line(project, "--allow-stale"));
   const std::string again =
-      fmt::format("`{}` makes it anew (what it replaces goes to {})", loop_line(project, "--again " + place),
+      fmt::format("`{}` makes it anew (what it replaces goes to {})", loop_line(project, "--force " + place),
                   (folder_of(project, state.at) / "former").string());
   if (!told.empty())
     question.remedy = told_again(project, told) + (has_result(loop, state.at) ? "; or " + keep : "");
@@ -194,7 +194,7 @@ LoopQuestion question_of(const LoopProject& loop, const std::vector<StageState>&
     all.what += (all.what.empty() ? "" : "; ") + one.what;
     if (const std::vector<ToldOtherwise> numbers = carved_otherwise(loop, state); !numbers.empty())
       told = told_again(loop.project, numbers);
-    const std::string option = "--again " + name_of(loop.project, state.at);
+    const std::string option = "--force " + name_of(loop.project, state.at);
     if (can_make) again += (again.empty() ? "" : " ") + option;
     if (can_make && !can_keep) missing_again += (missing_again.empty() ? "" : " ") + option;
     if (!can_make && !can_keep) neither += (neither.empty() ? "" : "; ") + one.remedy;
@@ -210,13 +210,13 @@ LoopQuestion question_of(const LoopProject& loop, const std::vector<StageState>&
                              loop_line(loop.project, again));
   else if (!again.empty())
     all.remedy = fmt::format("`{}` makes anew what can be and goes on with the rest as it is",
-                             loop_line(loop.project, again + " --keep"));
+                             loop_line(loop.project, again + " --allow-stale"));
   if (can_keep_all)
     all.remedy += fmt::format("{}`{}` goes on with all as it is", all.remedy.empty() ? "" : ", ",
-                              loop_line(loop.project, "--keep"));
+                              loop_line(loop.project, "--allow-stale"));
   else if (can_make_all && missing_again != again)
-    all.remedy +=
-        fmt::format(", `{}` makes anew what is missing alone", loop_line(loop.project, missing_again + " --keep"));
+    all.remedy += fmt::format(", `{}` makes anew what is missing alone",
+                              loop_line(loop.project, missing_again + " --allow-stale"));
   if (!told.empty()) all.remedy = told + "; or " + all.remedy;
   return all;
 }
@@ -225,7 +225,7 @@ LoopQuestion question_of(const LoopProject& loop, int round, const std::vector<U
                          const std::string& photo) {
   std::string options;
   for (const UnknownParameter& u : open)
-    options += (options.empty() ? "" : " ") + ("--accept-unknown " + shell_word(u.name));
+    options += (options.empty() ? "" : " ") + ("--allow-undetermined " + shell_word(u.name));
   LoopQuestion question;
   question.what = in_short(open) + ", and another board would be designed on a guess";
   const bool one =

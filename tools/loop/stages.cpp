@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <utility>
 
 #include "burin/base/error.h"
 #include "burin/base/files/decimals.h"
@@ -14,11 +15,11 @@
 #include "burin/optimize/design_file.h"
 #include "burin/scene/bench.h"
 #include "burin/scene/board.h"
-#include "tools/command_line.h"
 #include "tools/commands.h"
 #include "tools/loop/round_depth.h"
 #include "tools/loop/round_design.h"
 #include "tools/loop/round_lamps.h"
+#include "tools/steps.h"
 #include "tools/stop_signal.h"
 
 namespace burin {
@@ -26,12 +27,56 @@ namespace {
 
 namespace fs = std::filesystem;
 
-void run_step(const std::vector<std::string>& arguments) {
-  stop_if_asked();
-  print_text("> {}\n", command_text(arguments));
-  std::fflush(stdout);
-  run_command(arguments);
-}
+// A step of the loop: the arguments of a command's function, and the command line that a person would give for the
+// same. Each is set together with the other.
+template <typename Arguments>
+class Step {
+ public:
+  explicit Step(std::vector<std::string> command) : words_(std::move(command)) {}
+
+  /// An option, or an argument without a name.
+  Step& set(const std::string& option, fs::path& field, const fs::path& value) {
+    field = value;
+    return say(option, value.string());
+  }
+  Step& set(const std::string& option, std::string& field, const std::string& value) {
+    field = value;
+    return say(option, value);
+  }
+  Step& set(const std::string& option, bool& field) {
+    field = true;
+    words_.push_back(option);
+    return *this;
+  }
+  Step& say(const std::string& option, const std::string& value) {
+    if (!option.empty()) words_.push_back(option);
+    words_.push_back(value);
+    return *this;
+  }
+  /// The project's own options of this command.
+  Step& give(const LoopProject& loop, const std::vector<std::string>& words) {
+    give_options(loop.options, loop.project.folder, arguments);
+    words_.insert(words_.end(), words.begin(), words.end());
+    return *this;
+  }
+
+  /// Prints the command line, does the work and prints its result.
+  template <typename Work>
+  void run(const Work& work) const {
+    stop_if_asked();
+    std::vector<std::string> line{"burin"};
+    line.insert(line.end(), words_.begin(), words_.end());
+    print_event("step", {{"command", line}}, fmt::format("> {}\n", command_text(line)));
+    const Report report = work(arguments);
+    print_event("step done", {{"command", line}, {"data", report.data}}, report.text);
+    if (report.failure) throw InputError(*report.failure);
+  }
+
+  Arguments arguments;
+
+ private:
+  std::vector<std::string> words_;
+};
 
 // Returns all regular files below a folder except hidden ones; none for a missing folder.
 std::vector<fs::path> files_below(const fs::path& folder) {
@@ -131,33 +176,41 @@ std::optional<int> pixels_of_the_board_before(const Project& project, int number
   return project.pixels(number - 1);
 }
 
+bool frees_depth(const LoopOptions& options) {
+  const auto free = options.design.find("free");
+  return free != options.design.end() && std::count(free->second.begin(), free->second.end(), "depth") > 0;
+}
+
 bool make_design(const LoopProject& loop, int number) {
   const Project& project = loop.project;
   const fs::path round = project.round(number);
   write_round_design(project, number, round / "design.json");
-  std::vector<std::string> words{"design",    (round / "design.json").string(),
-                                 "--out",     (round / "design").string(),
-                                 "--machine", machine_argument(loop.options, project.folder)};
-  const std::vector<std::string> options = design_arguments(loop.options, project.folder);
-  words.insert(words.end(), options.begin(), options.end());
+  Step<DesignArguments> step({"design"});
+  DesignArguments& o = step.arguments;
+  step.set("", o.spec, round / "design.json").set("--out", o.out, round / "design");
+  step.set("--machine", o.machine, machine_argument(loop.options, project.folder));
+  step.give(loop, design_arguments(loop.options, project.folder));
   // Tolerances of eye and lamp: for the page before carving, and to identify photos of designed viewpoints.
-  if (!loop.options.design.contains("tolerance-mm") && !loop.options.design.contains("report-tolerance"))
-    words.emplace_back("--report-tolerance");
+  if (!loop.options.design.contains("tolerance") && !loop.options.design.contains("report-tolerance"))
+    step.set("--report-tolerance", o.design.report_tolerance);
   if (const auto pixels = pixels_of_the_board_before(project, number);
       pixels && !loop.options.design.contains("pixels")) {
-    words.emplace_back("--pixels");
-    words.push_back(std::to_string(*pixels));
+    o.design.pixels = *pixels;
+    step.say("--pixels", std::to_string(*pixels));
   }
   if (const auto depth = depth_of_round(loop.project, loop.options, number);
-      depth && !loop.options.design.contains("depth") && !loop.options.design.contains("free-depth")) {
+      depth && !loop.options.design.contains("depth") && !frees_depth(loop.options)) {
     tell(Finding{depth->as_wanted() ? Finding::Severity::note : Finding::Severity::warning, {}, in_words(*depth), ""});
-    words.emplace_back("--depth");
-    words.push_back(shortest(depth->depth_um));
+    o.depth_um = depth->depth_um;
+    step.say("--depth", shortest(depth->depth_um));
   }
-  run_step(words);
-  const fs::path report = round / "design" / "design-report.json";
-  const Json json = json_or_broken(report);
-  if (!json.is_object() || json.value("stopped_early", true)) return false;
+  bool stopped_early = false;
+  step.run([&](const DesignArguments& arguments) {
+    DesignDone done = run_design(arguments);
+    stopped_early = done.stopped_early;
+    return std::move(done.report);
+  });
+  if (stopped_early) return false;
   finish_design(loop, number);
   return true;
 }
@@ -165,28 +218,27 @@ bool make_design(const LoopProject& loop, int number) {
 void make_toolpath(const LoopProject& loop, int number) {
   const Project& project = loop.project;
   const fs::path round = project.round(number);
-  const std::vector<std::string> options = toolpath_arguments(loop.options, project.folder);
-  std::vector<std::string> words{
-      "toolpath", (round / "scratches.csv").string(),    "--board",   (project.folder / "board.json").string(),
-      "--bench",  project.bench_before(number).string(), "--machine", machine_argument(loop.options, project.folder),
-      "--out",    (round / "board.gcode").string(),      "--sent",    (round / "sent.csv").string(),
-      "--draw",   (round / "board.svg").string()};
-  if (const fs::path heights = project.heights(number); !heights.empty()) {
-    words.emplace_back("--heights");
-    words.push_back(heights.string());
-  }
-  words.insert(words.end(), options.begin(), options.end());
-  if (!loop.options.toolpath.contains("frame"))
-    words.emplace_back("--frame");  // for a test run in the air before carving
-  run_step(words);
+  Step<ToolpathArguments> step({"toolpath"});
+  ToolpathArguments& o = step.arguments;
+  step.set("", o.scratches, round / "scratches.csv").set("--board", o.board, project.folder / "board.json");
+  step.set("--bench", o.bench, project.bench_before(number));
+  step.set("--machine", o.machine, machine_argument(loop.options, project.folder));
+  step.set("--out", o.out, round / "board.gcode").set("--sent", o.sent, round / "sent.csv");
+  step.set("--draw", o.drawing, round / "board.svg");
+  if (const fs::path heights = project.heights(number); !heights.empty()) step.set("--heights", o.heights, heights);
+  step.give(loop, toolpath_arguments(loop.options, project.folder));
+  if (!loop.options.toolpath.contains("frame")) step.set("--frame", o.frame);  // for a test run in the air
+  step.run(run_toolpath);
 }
 
 // Throws Error if the page has an error, which stops the loop.
 void make_check(const LoopProject& loop, int number) {
-  std::vector<std::string> words{"check", "carve", loop.project.round(number).string(), "--machine",
-                                 machine_argument(loop.options, loop.project.folder)};
-  if (loop.options.toolpath.contains("follow-bow")) words.emplace_back("--follow-bow");
-  run_step(words);
+  Step<CarveCheckArguments> step({"check", "carve"});
+  CarveCheckArguments& o = step.arguments;
+  step.set("", o.what, loop.project.round(number));
+  step.set("--machine", o.files.machine, machine_argument(loop.options, loop.project.folder));
+  if (loop.options.toolpath.contains("follow-bow")) step.set("--follow-bow", o.files.follow_bow);
+  step.run([](const CarveCheckArguments& arguments) { return run_carve_check(arguments); });
 }
 
 void make_board(const Project& project, int number) {
@@ -201,8 +253,11 @@ void make_photos(const Project& project, int number) {
   const fs::path round = project.round(number), photos = round / "photos", part = round / "workshop.part";
   fs::remove_all(part);
   const Unfinished unfinished(part);
-  run_step({"simulate", (project.folder / "truth.json").string(), "--scratches", (round / "sent.csv").string(), "--out",
-            part.string()});
+  Step<SimulateArguments> step({"simulate"});
+  SimulateArguments& o = step.arguments;
+  step.set("", o.truth, project.folder / "truth.json");
+  step.set("--scratches", o.simulate.scratches, round / "sent.csv").set("--out", o.out, part);
+  step.run(run_simulate);
   const auto whole = finishing();
   sort_by_lamp(part);
   remove_empty_lamp_folders(project, number);
@@ -215,15 +270,14 @@ void make_photos(const Project& project, int number) {
 void make_capture(const LoopProject& loop, int number) {
   const Project& project = loop.project;
   const fs::path round = project.round(number);
-  std::vector<std::string> words{"capture", (round / "photos").string(),
-                                 "--board", (round / "board.json").string(),
-                                 "--bench", bench_of_photos(project, number).string(),
-                                 "--out",   round.string()};
-  const std::vector<std::string> lamp = lamp_arguments(project, number);
-  words.insert(words.end(), lamp.begin(), lamp.end());
-  const std::vector<std::string> options = capture_arguments(loop.options, project.folder);
-  words.insert(words.end(), options.begin(), options.end());
-  run_step(words);
+  Step<CaptureArguments> step({"capture"});
+  CaptureArguments& o = step.arguments;
+  step.set("", o.photos, round / "photos").set("--board", o.board, round / "board.json");
+  step.set("--bench", o.bench, bench_of_photos(project, number)).set("--out", o.out, round);
+  if (const std::vector<std::string> lamp = lamp_arguments(project, number); !lamp.empty())
+    step.set(lamp.front(), o.light, lamp.back());
+  step.give(loop, capture_arguments(loop.options, project.folder));
+  step.run(run_capture);
 }
 
 void make_refinement(const Project& project, int number) {
@@ -231,10 +285,27 @@ void make_refinement(const Project& project, int number) {
   fs::remove_all(refinement);
   make_output_folder(refinement);
   for (const fs::path& file : files_below(round / "calibration")) copy_whole(file, refinement / file.filename());
-  run_step({"refine", (round / "session.json").string(), "--bench", (refinement / "bench.json").string()});
+  Step<RefineArguments> step({"refine"});
+  step.set("", step.arguments.session, round / "session.json");
+  step.set("--bench", step.arguments.bench, refinement / "bench.json");
+  step.run(run_refine);
   FilesTogether all;
   for (const fs::path& file : files_below(refinement)) copy_whole(file, round / file.filename());
   all.put();
+}
+
+void make_calibration(const Project& project, int number) {
+  const fs::path round = project.round(number);
+  Step<CalibrateArguments> step({"calibrate"});
+  step.set("", step.arguments.session, round / "session.json");
+  step.set("--out", step.arguments.out, round / "calibration");
+  step.run(run_calibrate);
+}
+
+void make_report(const fs::path& folder) {
+  Step<ReportArguments> step({"report"});
+  step.set("", step.arguments.folder, folder);
+  step.run(run_report);
 }
 
 }  // namespace
@@ -416,13 +487,13 @@ bool make_stage(const LoopProject& loop, const StageOfRound& at) {
       make_capture(loop, at.round);
       break;
     case StageKind::calibrate:
-      run_step({"calibrate", (round / "session.json").string(), "--out", (round / "calibration").string()});
+      make_calibration(project, at.round);
       break;
     case StageKind::refine:
       make_refinement(project, at.round);
       break;
     case StageKind::report:
-      run_step({"report", round.string()});
+      make_report(round);
       break;
   }
   return true;

@@ -32,7 +32,7 @@ struct Turn {
   bool some_done = false, said = false;
 };
 
-// Parses an --again. Throws Error for an unknown stage, and for a carved one.
+// Parses an --force. Throws Error for an unknown stage, and for a carved one.
 StageOfRound stage_of(const LoopProject& loop, const std::string& words) {
   const Project& project = loop.project;
   const std::size_t slash = words.find('/');
@@ -50,14 +50,14 @@ StageOfRound stage_of(const LoopProject& loop, const std::string& words) {
         at.round = round;
   }
   if (known == std::end(kRoundStages) || (at.round == 0 && at.stage != StageKind::report))
-    fail("--again " + words, "there is no such stage in " + project.folder.string(),
+    fail("--force " + words, "there is no such stage in " + project.folder.string(),
          fmt::format("`burin status {}` lists them, such as design or round-01/refine",
                      shell_word(project.folder.string())));
   if (at.stage == StageKind::photos)
-    fail("--again " + words, "photos are never replaced", "add photos to that folder, or take some out of it");
+    fail("--force " + words, "photos are never replaced", "add photos to that folder, or take some out of it");
   const bool metal = at.stage == StageKind::design || at.stage == StageKind::toolpath;
   if (metal && at.round > 0 && is_photographed(project, at.round))
-    fail("--again " + words,
+    fail("--force " + words,
          fmt::format("the board of {} is carved and photographed", project.round(at.round).filename().string()),
          fmt::format("`{}` designs the next one; copy the project's own files to another folder to begin anew",
                      loop_line(project)));
@@ -80,6 +80,11 @@ bool is_open(const Turn& turn, const StageState& state) {
 bool can_be_kept(const Turn& turn, const StageState& state) {
   if (state.condition == Condition::interrupted) return true;
   return is_open(turn, state) && has_result(turn.loop, state.at);
+}
+
+// Ends the loop with a question for the user.
+[[noreturn]] void ask_person(const Turn& turn, const LoopQuestion& question) {
+  fail_as(ErrorCode::question, turn.loop.project.folder.string(), question.what, question.remedy);
 }
 
 // Records the present state as accepted.
@@ -118,8 +123,9 @@ void keep(Turn& turn, const StageState& state) {
     }
   }
   write_record(record, record_file(loop.project, state.at));
-  print_text("Kept: {} ({})\n", name_of(loop.project, state.at),
-             state.changes.empty() ? in_words(state) : in_words(state.changes));
+  const std::string name = name_of(loop.project, state.at);
+  print_event("kept", {{"stage", name}},
+              fmt::format("Kept: {} ({})\n", name, state.changes.empty() ? in_words(state) : in_words(state.changes)));
 }
 
 // Collects the user's decisions before any work. Throws Error for missing ones.
@@ -127,7 +133,7 @@ void settle(Turn& turn) {
   const std::vector<StageState> states = states_of(turn.loop, turn.hashes);
   const bool begun = std::any_of(states.begin(), states.end(),
                                  [](const StageState& state) { return state.condition != Condition::not_begun; });
-  if (begun) print_text("{}", table_of(turn.loop, states, true));
+  if (begun) print_event("state", {}, table_of(turn.loop, states, true));
   std::vector<StageState> open, kept;
   for (const StageState& state : states) {
     const bool asks = is_open(turn, state) && needs_answer_now(state, states);
@@ -141,9 +147,7 @@ void settle(Turn& turn) {
   // Unavoidable errors come before any question.
   if (!open.empty() || std::any_of(kept.begin(), kept.end(), carving)) require_one_truth_to_carve(turn.loop.project);
   if (!open.empty()) {
-    std::fflush(stdout);
-    const LoopQuestion question = question_of(turn.loop, without_followers(open));
-    fail(turn.loop.project.folder.string(), question.what, question.remedy);
+    ask_person(turn, question_of(turn.loop, without_followers(open)));
   }
   for (const StageState& asked : kept) {
     const StageState state = state_of(turn.loop, asked.at, turn.hashes);
@@ -166,10 +170,11 @@ void refuse_unknown(Turn& turn, int round) {
   const LoopProject& loop = turn.loop;
   const ToldByRound told = told_by_round(loop, round, turn.answers.accept_unknown);
   if (!told.open.empty()) {
-    print_text("\n{}", in_words(told.open));
-    std::fflush(stdout);
+    Json names = Json::array();
+    for (const UnknownParameter& u : told.open) names.push_back(u.name);
+    print_event("undetermined", {{"parameters", names}}, "\n" + in_words(told.open));
     const LoopQuestion question = question_of(loop, round, told.open);
-    fail(loop.project.round(round).string(), question.what, question.remedy);
+    fail_as(ErrorCode::question, loop.project.round(round).string(), question.what, question.remedy);
   }
   for (const Finding& weak : told.weak) tell(weak);
   std::vector<std::string> names;
@@ -214,12 +219,12 @@ void say_begin(Turn& turn, const StageState& state) {
   const std::string name = state.at.round == 0 ? "report of the whole loop"
                                                : turn.loop.project.round(state.at.round).filename().string() + ": " +
                                                      name_of(state.at.stage);
-  if (turn.some_done && !turn.said) print_text("Going on with: {}\n", name);
+  std::string text = turn.some_done && !turn.said ? fmt::format("Going on with: {}\n", name) : "";
   turn.said = true;
-  print_text("\n== {}{}\n", name,
-             state.at.stage == StageKind::photos ? " (carve and photograph, simulated from truth.json)" : "");
-  if (!state.changes.empty()) print_text("since it was made: {}\n", in_words(state.changes));
-  std::fflush(stdout);
+  text += fmt::format("\n== {}{}\n", name,
+                      state.at.stage == StageKind::photos ? " (carve and photograph, simulated from truth.json)" : "");
+  if (!state.changes.empty()) text += fmt::format("since it was made: {}\n", in_words(state.changes));
+  print_event("stage", {{"stage", name_of(turn.loop.project, state.at)}}, text);
 }
 
 void make(Turn& turn, const StageState& state) {
@@ -233,11 +238,13 @@ void make(Turn& turn, const StageState& state) {
   record.options = basis.options;
   record.inputs = hashes_of(loop.project, basis.files, turn.hashes);
   const fs::path aside = begin_stage(loop, state.at, record, turn.hashes);
-  if (!aside.empty()) print_text("what was there is now in {}\n", aside.string());
+  if (!aside.empty())
+    print_event("moved", {{"folder", aside.string()}}, fmt::format("what was there is now in {}\n", aside.string()));
   if (!turn.again.contains(state.at)) {
     const fs::path from = restore_former(loop, state.at, record, turn.hashes);
     if (!from.empty()) {
-      print_text("the same was made of the same before: it is taken back from {}\n", from.string());
+      print_event("taken back", {{"folder", from.string()}},
+                  fmt::format("the same was made of the same before: it is taken back from {}\n", from.string()));
       return;
     }
   }
@@ -251,10 +258,10 @@ void make(Turn& turn, const StageState& state) {
   record.outputs = hashes_of(loop.project, outputs_of(loop, state.at), turn.hashes);
   write_record(record, record_file(loop.project, state.at));
   if (record.status == MadeRecord::Status::interrupted)
-    fail(loop.project.folder.string(),
-         fmt::format("{} was ended early and is not done", name_of(loop.project, state.at)),
-         fmt::format("`{}` takes it as good as it got, `{}` designs anew{}", loop_line(loop.project, "--keep"),
-                     loop_line(loop.project), time_limit_in_words(loop)));
+    fail_as(ErrorCode::question, loop.project.folder.string(),
+            fmt::format("{} was ended early and is not done", name_of(loop.project, state.at)),
+            fmt::format("`{}` takes it as good as it got, `{}` designs anew{}",
+                        loop_line(loop.project, "--allow-stale"), loop_line(loop.project), time_limit_in_words(loop)));
 }
 
 // Handles one stage after all before it: no action, work, or a question. Returns false if the user has to act.
@@ -273,10 +280,7 @@ bool turn_stage(Turn& turn, const StageOfRound& at) {
       return true;  // a simulation, interrupted after its work
     }
   }
-  if (!again && is_open(turn, state)) {
-    const LoopQuestion question = question_of(turn.loop, state);
-    fail(turn.loop.project.folder.string(), question.what, question.remedy);
-  }
+  if (!again && is_open(turn, state)) ask_person(turn, question_of(turn.loop, state));
   if (again || is_made_by_itself(state) || (needs_answer(state) && follows_one_made_anew(turn, at)))
     make(turn, state);
   else
@@ -285,36 +289,76 @@ bool turn_stage(Turn& turn, const StageOfRound& at) {
 }
 
 // Prints the user's tasks after the last stage.
-void say_end(const LoopProject& loop, int round, bool another) {
+Report report_end(const LoopProject& loop, int round, bool another) {
   const Project& project = loop.project;
   const bool simulated = fs::exists(project.folder / "truth.json");
   const std::optional<NextBoard> next = another ? std::nullopt : last_board(project);
-  print_text("\n");
+  Report report;
+  report.line("\n");
+  report.data["project"] = project.folder.string();
+  report.data["round"] = round;
+  report.data["another_board_pays"] = !next;
   const std::string turned =
       round == 1 ? "" : "The loop has turned " + counted(static_cast<std::size_t>(round - 1), "time") + "; ";
   if (next) {
-    print_text("Done: {}.\n{}to carve another board all the same: {}\n", hang_in_words(*next), turned,
-               loop_line(project, "--another"));
-    return;
+    report.line("Done: {}.\n{}to carve another board all the same: {}\n", hang_in_words(*next), turned,
+                loop_line(project, "--another"));
+    return report;
   }
   if (!simulated) {
     make_photo_folders(project, round);
-    print_text("{}", your_turn(loop, round));
+    report.line("{}", your_turn(loop, round));
   }
-  print_text("{}{}he next board to carve is {}; {}: {}\n", turned, turned.empty() ? "T" : "t",
-             (project.round(round) / "board.gcode").string(),
-             simulated ? "to simulate that too, next" : "with its photos in their folder, next",
-             loop_line(project, simulated ? fmt::format("--rounds {}", round) : ""));
+  report.next.push_back({"burin", "loop", project.folder.string()});
+  if (simulated) report.next.back().insert(report.next.back().end(), {"--rounds", std::to_string(round)});
+  report.line("{}{}he next board to carve is {}; {}: {}\n", turned, turned.empty() ? "T" : "t",
+              fact("gcode", (project.round(round) / "board.gcode").string()),
+              simulated ? "to simulate that too, next" : "with its photos in their folder, next",
+              command_text(report.next.back()));
+  return report;
 }
 
 }  // namespace
+
+Report dry_run(const LoopProject& loop, const LoopAnswers& answers) {
+  Turn turn{loop, answers, {}, {}, false, false};
+  for (const std::string& words : answers.again) turn.again.insert(stage_of(loop, words));
+  Report report;
+  report.line("{}: {}\n", fact("project", loop.project.folder.string()), fact("options", in_words(loop.options)));
+  const std::vector<StageState> states = states_of(loop, turn.hashes);
+  int made_in = 0;  // from this round on, a stage is made because one before it is
+  for (const StageState& state : states) {
+    const std::string name = name_of(loop.project, state.at);
+    const auto say = [&](const char* action, const std::string& why) {
+      Facts stage = report.add("stages");
+      stage.line("  {:<9} {}{}\n", fact("action", action), fact("stage", name), why.empty() ? "" : ": " + why);
+      if (!why.empty()) stage.set("why", why);
+    };
+    const bool again = turn.again.contains(state.at);
+    const bool simulated = fs::exists(loop.project.folder / "truth.json") && state.at.round <= answers.simulated_rounds;
+    if (state.at.stage == StageKind::photos && photos_of(loop.project, state.at.round).empty() && !simulated) {
+      say("wait for", "photos into " + (loop.project.round(state.at.round) / "photos").string());
+      return report;
+    }
+    if (!again && is_open(turn, state) && !answers.keep && made_in == 0) {
+      const LoopQuestion question = question_of(loop, state);
+      say("ask about", question.what + "; " + question.remedy);
+      return report;
+    }
+    const bool makes = again || made_in > 0 || is_made_by_itself(state);
+    if (makes) made_in = std::max(made_in, 1);
+    say(makes ? "make" : is_open(turn, state) ? "keep" : "have", makes && made_in == 0 ? in_words(state) : "");
+  }
+  return report;
+}
 
 void turn_loop(const LoopProject& loop, const LoopAnswers& answers) {
   const Project& project = loop.project;
   Turn turn{loop, answers, {}, {}, false, false};
   for (const std::string& words : answers.again) turn.again.insert(stage_of(loop, words));
   remove_half_written(project);
-  print_text("{}: {}\n", project.folder.string(), in_words(loop.options));
+  print_event("began", {{"project", project.folder.string()}, {"options", in_words(loop.options)}},
+              fmt::format("{}: {}\n", project.folder.string(), in_words(loop.options)));
   settle(turn);
   int round = 1;
   for (bool photographed = true; photographed; ++round)
@@ -323,7 +367,7 @@ void turn_loop(const LoopProject& loop, const LoopAnswers& answers) {
   --round;
   // The last round is designed and not carved: for the measured bench, if there are photos.
   turn_stage(turn, {0, StageKind::report});
-  say_end(loop, round, answers.another);
+  print(report_end(loop, round, answers.another));
 }
 
 }  // namespace burin

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "tools/facts.h"
 #include "tools/loop/stages.h"
 #include "tools/loop/state.h"
 
@@ -18,6 +19,9 @@ struct LoopAnswers {
   int simulated_rounds = 1;
   bool another = false;  ///< carve the next board in spite of a negligible gain
 };
+
+/// What turn_loop() would do now, stage by stage, up to the first question or photos to take. Changes nothing.
+Report dry_run(const LoopProject& loop, const LoopAnswers& answers);
 
 /// Runs the loop until the user has to act, or all simulated rounds are done. Prints all steps. Throws Error for a
 /// question without an answer, a stage that ended early, and an undetermined parameter.

@@ -16,7 +16,7 @@ ChessboardPage chessboard_page(const PrintSetup& setup) {
   out.page = new_page(
       setup, fmt::format("Chessboard for a lens of your own: {} x {} inner corners", out.columns, out.rows),
       {fmt::format("Glue it on something stiff and flat, photograph it in all parts of the picture, tilted too; then: "
-                   "burin lens PHOTOS_DIR --chessboard {}x{} --square-mm {:g} --out camera.cameramodel",
+                   "burin lens PHOTOS_DIR --chessboard {}x{} --square {:g} --out camera.cameramodel",
                    out.columns, out.rows, out.square_mm)});
   const Eigen::Vector2d size = out.square_mm * Eigen::Vector2d(across, upright);
   const Eigen::Vector2d low = (out.page.free.low + out.page.free.high - size) / 2;

@@ -260,18 +260,20 @@ void shoot_tethered(const TetheredShoot& how, Shoot& shoot, const PhotoTold& tol
   make_output_folder(how.photos);
   const StopOnSignal stop;
   TetheredCamera camera(how.port);
-  print_text("Connected to a {}; photos go to {}, and stay on its card.\n", camera.model(), how.photos.string());
+  print_event(
+      "connected", {{"camera", camera.model()}, {"folder", how.photos.string()}},
+      fmt::format("Connected to a {}; photos go to {}, and stay on its card.\n", camera.model(), how.photos.string()));
   while (!StopOnSignal::asked()) {
     if (!how.once) {
-      print_text("now: {}\nEnter takes the bracket from here, q and Enter ends: ", next_words(shoot));
-      std::fflush(stdout);
+      print_event("waiting", {{"now", next_words(shoot)}},
+                  fmt::format("now: {}\nEnter takes the bracket from here, q and Enter ends: ", next_words(shoot)));
       if (!wait_for_enter()) break;
     }
     const std::string why = take_bracket(camera, how.stops, how.photos, shoot, told, &StopOnSignal::asked);
     if (!why.empty() && !StopOnSignal::asked()) tell(make_warning("the bracket is not whole: " + why));
     if (how.once) break;
   }
-  print_text("\n");
+  print_event("disconnected", {}, "\n");
   camera.put_back();
 }
 

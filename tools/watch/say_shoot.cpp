@@ -193,7 +193,7 @@ std::string missing_words(const Shoot& shoot) {
   return out;
 }
 
-std::string last_photo_json(const Shoot& shoot, double seconds, double processor_seconds) {
+Json last_photo_json(const Shoot& shoot, double seconds, double processor_seconds) {
   const JudgedPhoto& photo = shoot.photos.back();
   const PhotoFacts& f = photo.facts;
   Json json;
@@ -225,7 +225,7 @@ std::string last_photo_json(const Shoot& shoot, double seconds, double processor
     json["faults"].push_back({{"severity", in_words(fault.severity)}, {"what", fault.what}, {"remedy", fault.remedy}});
   json["now"] = next_words(shoot);
   json["state"] = state_words(shoot);
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+  return json;
 }
 
 }  // namespace burin

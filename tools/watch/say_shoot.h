@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "burin/base/files/json_file.h"
 #include "tools/watch/shoot.h"
 
 namespace burin {
@@ -23,8 +24,7 @@ std::string state_words(const Shoot& shoot);
 /// Returns one line per unfinished shot, with its missing part.
 std::string missing_words(const Shoot& shoot);
 
-/// Returns the latest photo as one line of JSON without newline. `seconds`: time of judging; `processor_seconds`: of
-/// all threads.
-std::string last_photo_json(const Shoot& shoot, double seconds, double processor_seconds);
+/// Returns the latest photo as JSON. `seconds`: time of judging; `processor_seconds`: of all threads.
+Json last_photo_json(const Shoot& shoot, double seconds, double processor_seconds);
 
 }  // namespace burin
