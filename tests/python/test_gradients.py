@@ -10,6 +10,10 @@ all pixels, so that some kinks lie within any step that rounding allows: 5e-3 an
 
 from __future__ import annotations
 
+import dataclasses
+import json
+import tempfile
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -106,6 +110,47 @@ def test_grooves_that_cut_each_other() -> None:
     """
     bench = burin.Bench(BENCH.lens, BENCH.views, BENCH.lights, BENCH.material, crossings="last")
     check(burin.Scene(bench, BOARD, double=True), {"ends_mm": ENDS}, ["ends_mm"], 1e-2)
+
+
+def test_grooves_whose_rims_are_cut() -> None:
+    """As above; each lane of a rim ends where a deeper groove begins."""
+    bench = burin.Bench(BENCH.lens, BENCH.views, BENCH.lights, BENCH.material, crossings="deepest")
+    given = {"ends_mm": ENDS, "depth_um": values(len(ENDS), 1)["depth_um"]}
+    check(burin.Scene(bench, BOARD, double=True), given, ["ends_mm"], 2e-2)
+
+
+def test_a_bent_sheet() -> None:
+    board = burin.Board(BOARD.size_mm, BOARD.carve_min_mm, BOARD.carve_max_mm, bend_radius_mm=80, bend_axis_deg=30)
+    given = values(len(ENDS), 1)
+    check(burin.Scene(BENCH, board, double=True), given, list(given))
+    flat = burin.render(burin.Scene(BENCH, BOARD), ENDS)
+    assert np.abs(burin.render(burin.Scene(BENCH, board), ENDS) - flat).max() > 0.1 * flat.max()
+
+
+def far_bench() -> tuple[burin.Board, burin.Bench]:
+    """The tests' setup with a sun beside its lamp: suns come from files."""
+    sample = Path(__file__).parents[2] / "samples" / "small-bench"
+    fields = json.loads((sample / "bench.json").read_text())
+    fields["camera"] = str(sample / "camera.cameramodel")
+    sun_in_file = {"direction": [-0.5, 0.1, 0.85], "irradiance": [1, 1, 1], "diameter_deg": 0.53}
+    fields["lights"].append({"id": "sun", "sun": sun_in_file})
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "bench.json"
+        file.write_text(json.dumps(fields))
+        _, bench = burin.read(sample / "board.json", file)
+    sun = next(light for light in bench.lights if light.id == "sun")
+    return BOARD, dataclasses.replace(bench, lens=BENCH.lens, views=BENCH.views, material=BENCH.material, lights=[BENCH.lights[0], sun])
+
+
+def test_under_the_sun_and_a_room() -> None:
+    """Lights that come from files: ends, width, depth and roughness have gradients, lamps and poses are refused by name."""
+    board, bench = far_bench()
+    for lights in (["sun"], ["sun", "lamp"]):
+        scene = burin.Scene(bench, board, lights=lights, double=True)
+        given = {k: v for k, v in values(len(ENDS), 1).items() if k in ("ends_mm", "width_um", "depth_um", "alpha", "base_alpha")}
+        check(scene, given, list(given))
+        with pytest.raises(burin.Error, match="lamp_mm"):
+            burin.render_vjp(scene, ENDS, np.ones(scene.shape), lamp_mm=np.zeros((len(lights), 3)))
 
 
 def test_a_machine_map_is_the_same_as_mapped_ends() -> None:
