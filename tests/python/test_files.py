@@ -26,21 +26,28 @@ def test_fields_survive_reading() -> None:
     assert rows.ends_mm.ndim == 3 and rows.ends_mm.shape[1:] == (2, 2)
 
 
-def test_bits_of_cpp() -> None:
+def test_bits_of_cpp(tmp_path: Path) -> None:
     program = os.environ.get("BURIN_RADIANCE")
     if not program:
         pytest.skip("BURIN_RADIANCE names no program: scripts/python-tests builds it")
     board, bench = burin.read(*FILES[:2])
-    rows = burin.Scratches.read(FILES[2])
-    for view in bench.views[:2]:
-        light = bench.lights[0].id
-        raw = subprocess.run([program, *map(str, FILES), view.name, light], check=True, capture_output=True).stdout
-        scene = burin.Scene(bench, board, [view.name], [light])
-        size = int(np.prod(scene.shape))
-        radiance = np.frombuffer(raw[: 4 * size], np.float32).reshape(scene.shape)
-        assert radiance.max() > 0
-        assert (burin.render(scene, rows.ends_mm, width_um=rows.width_um, depth_um=rows.depth_um,
-                             alpha=rows.alpha) == radiance).all()
-        by = burin.render_vjp(scene, rows.ends_mm, np.ones(scene.shape), width_um=rows.width_um,
-                              depth_um=rows.depth_um, alpha=rows.alpha)
-        assert (by.ends_mm.ravel() == np.frombuffer(raw[4 * size:], np.float64)).all()
+    assert board.carve_max_mm is not None
+    random = np.random.default_rng(2)
+    ends = random.uniform(board.carve_min_mm, board.carve_max_mm, (400, 2, 2))
+    ends[:, 1] = ends[:, 0] + 0.1 * (ends[:, 1] - ends[:, 0])
+    file = tmp_path / "scratches.csv"
+    np.savetxt(file, ends.reshape(-1, 4), fmt="%.5f", delimiter=",", header="x0_mm,y0_mm,x1_mm,y1_mm", comments="")
+    rows = burin.Scratches.read(file)
+    assert np.abs(rows.ends_mm - ends).max() < 6e-6
+    names, light = [v.name for v in bench.views[:2]], bench.lights[0].id
+    raw = subprocess.run([program, *map(str, FILES[:2]), str(file), ",".join(names), light], check=True,
+                         capture_output=True).stdout
+    scene = burin.Scene(bench, board, names, [light])
+    size = int(np.prod(scene.shape))
+    radiance = np.frombuffer(raw[: 4 * size], np.float32).reshape(scene.shape)
+    plain = burin.render(scene, np.zeros((0, 4)))
+    assert (radiance != plain).mean() > 0.01  # the scratches are there
+    assert (burin.render(scene, rows.ends_mm) == radiance).all()
+    by = burin.render_vjp(scene, rows.ends_mm, np.ones(scene.shape))
+    assert np.abs(by.ends_mm).max() > 0
+    assert (by.ends_mm.ravel() == np.frombuffer(raw[4 * size:], np.float64)).all()
