@@ -6,10 +6,11 @@
 namespace burin::python {
 
 DesignResult watched_design(const DesignSpec& spec, const Board& board, const Bench& bench, DesignOptions options,
-                            const std::function<bool(const DesignFrame&)>& on_frame) {
+                            const std::function<bool(const DesignFrame&)>& on_frame,
+                            const std::function<bool()>& interrupted) {
   std::atomic<bool> stopped = false;
   std::exception_ptr thrown;
-  options.stop = [&] { return stopped.load(); };
+  options.stop = [&] { return stopped || interrupted(); };
   options.watch = [&](const DesignFrame& frame) {
     if (stopped) return;
     try {

@@ -7,9 +7,11 @@
 
 namespace burin::python {
 
-/// design(); `on_frame` is called once an iteration (and as the start grows), and ends the design by false: what there
-/// is then is the result. What it throws ends the design, too, and is thrown on.
+/// design(). `on_frame` is called once per iteration, and as the start grows. False ends the design, and its result is
+/// that of its work so far. An exception from `on_frame` ends the design and passes on. True from `interrupted`, which
+/// several threads call often, ends it like false.
 DesignResult watched_design(const DesignSpec& spec, const Board& board, const Bench& bench, DesignOptions options,
-                            const std::function<bool(const DesignFrame&)>& on_frame);
+                            const std::function<bool(const DesignFrame&)>& on_frame,
+                            const std::function<bool()>& interrupted);
 
 }  // namespace burin::python

@@ -11,9 +11,14 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
+#include <chrono>
+#include <exception>
 #include <memory>
+#include <numeric>
 #include <optional>
 #include <string>
+#include <thread>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -24,9 +29,14 @@
 #include "burin/base/threads.h"
 #include "burin/render/footprint/footprint_integral.h"
 #include "burin/scene/bench_of_board.h"
+#include "burin/scene/carve.h"
 #include "burin/scene/look_at.h"
 #include "design.h"
+#ifdef BURIN_JAX
+#include "jax.h"
+#endif
 #include "scene.h"
+#include "targets.h"
 
 namespace nb = nanobind;
 
@@ -40,6 +50,33 @@ using Picture = nb::ndarray<const float, nb::ndim<3>, nb::c_contig, nb::device::
 using OutDoubles = nb::ndarray<nb::numpy, double, nb::ndim<1>>;
 using OutMatrix = nb::ndarray<nb::numpy, double, nb::ndim<2>>;
 using OutPictures = nb::ndarray<nb::numpy, float, nb::ndim<4>>;
+
+// Ctrl-C during work without the GIL: asks Python now and then, in the thread that called.
+class Interrupts {
+ public:
+  // Several threads may call it often.
+  bool asked() {
+    if (std::this_thread::get_id() != caller_ || raised_) return raised_;
+    const auto now = std::chrono::steady_clock::now();
+    if (now - last_ < std::chrono::milliseconds(100)) return false;
+    last_ = now;
+    const nb::gil_scoped_acquire acquire;
+    if (PyErr_CheckSignals() != 0) {
+      error_ = std::make_exception_ptr(nb::python_error());
+      raised_ = true;
+    }
+    return raised_;
+  }
+  void pass_on() const {
+    if (raised_) std::rethrow_exception(error_);
+  }
+
+ private:
+  const std::thread::id caller_ = std::this_thread::get_id();
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+  std::atomic<bool> raised_ = false;
+  std::exception_ptr error_;
+};
 
 // NumPy arrays that own what they show.
 template <typename Out, typename T>
@@ -64,6 +101,14 @@ OutPictures array_of(const std::vector<Image>& images, std::size_t height, std::
 Image image_of(const float* data, std::size_t height, std::size_t width, std::size_t channels) {
   Image out(static_cast<int>(width), static_cast<int>(height), static_cast<int>(channels));
   std::copy_n(data, out.data.size(), out.data.begin());
+  return out;
+}
+
+std::vector<Image> images_of(const Pictures& pictures) {
+  const std::size_t height = pictures.shape(1), width = pictures.shape(2), channels = pictures.shape(3);
+  std::vector<Image> out;
+  for (std::size_t v = 0; v < pictures.shape(0); ++v)
+    out.push_back(image_of(pictures.data() + v * height * width * channels, height, width, channels));
   return out;
 }
 
@@ -209,6 +254,12 @@ std::vector<double> list_of(const V& v) {
   return {v.data(), v.data() + v.size()};
 }
 
+nb::list sentences(const std::vector<Finding>& findings) {
+  nb::list out;
+  for (const Finding& finding : findings) out.append(sentence(finding));
+  return out;
+}
+
 nb::dict board_fields(const Board& board) {
   nb::dict out;
   out["size_mm"] = list_of(board.size_mm);
@@ -252,9 +303,7 @@ nb::dict bench_fields(const Bench& bench) {
   out["bow_mm"] = list_of(bench.bow_mm);
   out["crossings"] = std::string(
       std::ranges::find(kCrossingsNames, bench.crossings, &std::pair<Crossings, std::string_view>::first)->second);
-  nb::list findings;
-  for (const Finding& finding : bench.findings) findings.append(sentence(finding));
-  out["findings"] = findings;
+  out["findings"] = sentences(bench.findings);
   return out;
 }
 
@@ -311,9 +360,7 @@ nb::dict render_vjp(Scene& scene, const Matrix& ends, const Pictures& dE_dradian
     if (dE_dradiance.shape(0) != scene.views() || height != static_cast<std::size_t>(scene.height()) ||
         w != static_cast<std::size_t>(scene.width()) || channels != static_cast<std::size_t>(scene.channels()))
       fail("dE_dradiance", "has another shape than the scene's pictures", "give what render() gives");
-    std::vector<Image> images;
-    for (std::size_t v = 0; v < scene.views(); ++v)
-      images.push_back(image_of(dE_dradiance.data() + v * height * w * channels, height, w, channels));
+    const std::vector<Image> images = images_of(dE_dradiance);
     const Scratches rows = scratches_of(ends, width, depth, alpha);
     by =
         scene.gradients(rows, changes_of(scene, base_alpha, lamp_mm, lamp_log_intensity, pose, bow_mm), !carve, images);
@@ -372,11 +419,8 @@ struct DesignTarget {
   double weight;
 };
 
-nb::dict design_of(const Board& board, const Bench& bench, const std::vector<DesignTarget>& targets, int scratches,
-                   int pixels, int iterations, std::uint64_t seed, double seconds, const std::optional<Matrix>& from,
-                   nb::object on_frame) {
+DesignSpec spec_of(const std::vector<DesignTarget>& targets) {
   DesignSpec spec;
-  spec.scratches = scratches;
   for (const DesignTarget& target : targets) {
     DesignView view;
     view.view = target.view;
@@ -386,10 +430,19 @@ nb::dict design_of(const Board& board, const Bench& bench, const std::vector<Des
         image_of(target.picture.data(), target.picture.shape(0), target.picture.shape(1), target.picture.shape(2));
     spec.views.push_back(std::move(view));
   }
+  return spec;
+}
+
+nb::dict design_of(const Board& board, const Bench& bench, const std::vector<DesignTarget>& targets, int scratches,
+                   int pixels, int iterations, std::uint64_t seed, double seconds, const std::array<double, 3>& loss,
+                   const std::optional<Matrix>& from, nb::object on_frame) {
+  DesignSpec spec = spec_of(targets);
+  spec.scratches = scratches;
   DesignOptions options;
   options.pixels = pixels;
   options.iterations = iterations;
   options.seed = seed;
+  options.loss = {loss[0], loss[1], loss[2]};
   options.time_limit_s = seconds;
   if (from) options.from = scratches_of(*from, {}, {}, {});
   const auto watch = [&](const DesignFrame& frame) {
@@ -403,11 +456,13 @@ nb::dict design_of(const Board& board, const Bench& bench, const std::vector<Des
   DesignResult result;
   {
     const nb::gil_scoped_release release;
-    result = watched_design(spec, board, bench, options, watch);
+    Interrupts interrupts;
+    result = watched_design(spec, board, bench, options, watch, [&] { return interrupts.asked(); });
+    interrupts.pass_on();
   }
   nb::dict out;
   out["scratches"] = scratches_fields(result.scratches);
-  nb::list views, findings;
+  nb::list views;
   for (const DesignedView& view : result.views) {
     const auto picture = [&](const Image& image) {
       return owned<nb::ndarray<nb::numpy, float, nb::ndim<3>>>(
@@ -424,12 +479,70 @@ nb::dict design_of(const Board& board, const Bench& bench, const std::vector<Des
     one["ssim"] = view.ssim;
     views.append(one);
   }
-  for (const Finding& finding : result.findings) findings.append(sentence(finding));
   out["views"] = views;
-  out["findings"] = findings;
+  out["findings"] = sentences(result.findings);
   out["iterations"] = result.history.size();
   out["loss"] = result.final_loss;
   out["seconds"] = result.total_seconds;
+  return out;
+}
+
+template <typename Do>
+auto without_gil(const Do& work) {
+  const nb::gil_scoped_release release;
+  return work();
+}
+
+DesignOptions options_of(int pixels, const std::array<double, 3>& loss, double lift_blacks) {
+  DesignOptions out;
+  out.pixels = pixels;
+  out.loss = {loss[0], loss[1], loss[2]};
+  out.lift_blacks = lift_blacks;
+  return out;
+}
+
+OutPictures pictures_of(const Targets& targets) {
+  std::vector<Image> out;
+  for (std::size_t v = 0; v < targets.views(); ++v) out.push_back(targets.picture(v));
+  return array_of(out, static_cast<std::size_t>(targets.height()), static_cast<std::size_t>(targets.width()), 1);
+}
+
+nb::dict loss_of(Targets& targets, const Pictures& radiance, const Doubles& log_exposure) {
+  TargetLoss loss = without_gil([&] { return targets.loss(images_of(radiance), doubles(log_exposure)); });
+  nb::dict out;
+  out["view_loss"] = array_of(std::move(loss.view_loss));
+  out["dE_dradiance"] = array_of(loss.dE_dradiance, radiance.shape(1), radiance.shape(2), 1);
+  out["dE_dlog_exposure"] = array_of(std::move(loss.dE_dlog_exposure));
+  return out;
+}
+
+OutDoubles indices(const std::vector<std::size_t>& rows) { return array_of({rows.begin(), rows.end()}); }
+
+// A search, stopped by Ctrl-C.
+template <typename Search>
+nb::tuple searched(const Search& search) {
+  Interrupts interrupts;
+  const Searched out = without_gil([&] {
+    Searched found = search([&] { return interrupts.asked(); });
+    interrupts.pass_on();
+    return found;
+  });
+  const Scratches& s = out.scratches;
+  return nb::make_tuple(ends_of(s.x0_mm, s.y0_mm, s.x1_mm, s.y1_mm), array_of(out.log_exposure), indices(out.rows));
+}
+
+// Grooves in the metal, and the scratch of each.
+nb::dict carve_of(const Board& board, const Bench& bench, const Matrix& ends, const std::optional<Doubles>& width,
+                  const std::optional<Doubles>& depth, const std::optional<Doubles>& alpha) {
+  const Carved carved =
+      without_gil([&] { return carve(Designed(scratches_of(ends, width, depth, alpha)), bench, board); });
+  nb::dict out = scratches_fields(carved.scratches);
+  std::vector<double> source(carved.source.begin(), carved.source.end());
+  if (carved.source.empty()) {
+    source.resize(carved.scratches.size());
+    std::iota(source.begin(), source.end(), 0.0);
+  }
+  out["source"] = array_of(std::move(source));
   return out;
 }
 
@@ -492,8 +605,68 @@ NB_MODULE(_core, m) {
 
   m.def("footprint_integrals", &footprint_integrals, nb::arg("rows"), nb::arg("derivatives"));
   m.def("design", &design_of, nb::arg("board"), nb::arg("bench"), nb::arg("targets"), nb::arg("scratches"),
-        nb::arg("pixels"), nb::arg("iterations"), nb::arg("seed"), nb::arg("seconds"), nb::arg("start").none(),
-        nb::arg("on_frame").none());
+        nb::arg("pixels"), nb::arg("iterations"), nb::arg("seed"), nb::arg("seconds"), nb::arg("loss"),
+        nb::arg("start").none(), nb::arg("on_frame").none());
+
+  nb::class_<Targets>(m, "Targets")
+      .def(
+          "__init__",
+          [](Targets* self, const Board& board, const Bench& bench, const std::vector<DesignTarget>& targets,
+             int pixels, const std::array<double, 3>& loss, double lift_blacks) {
+            const nb::gil_scoped_release release;
+            new (self) Targets(spec_of(targets), board, bench, options_of(pixels, loss, lift_blacks));
+          },
+          nb::arg("board"), nb::arg("bench"), nb::arg("targets"), nb::arg("pixels"), nb::arg("loss"),
+          nb::arg("lift_blacks"))
+      .def("pictures", &pictures_of)
+      .def("findings", [](const Targets& targets) { return sentences(targets.findings()); })
+      .def("loss", &loss_of, nb::arg("radiance"), nb::arg("log_exposure"))
+      .def(
+          "fitting",
+          [](Targets& targets, const Pictures& radiance, const Doubles& log_exposure) {
+            return array_of(without_gil([&] { return targets.fitting(images_of(radiance), doubles(log_exposure)); }));
+          },
+          nb::arg("radiance"), nb::arg("log_exposure"))
+      .def(
+          "psnr_db",
+          [](Targets& targets, const Pictures& radiance, const Doubles& log_exposure) {
+            return array_of(without_gil([&] { return targets.psnr_db(images_of(radiance), doubles(log_exposure)); }));
+          },
+          nb::arg("radiance"), nb::arg("log_exposure"))
+      .def(
+          "start",
+          [](Targets& targets, std::size_t count, std::uint64_t seed) {
+            return searched([&](const Targets::Stop& stop) { return targets.start(count, seed, stop); });
+          },
+          nb::arg("count"), nb::arg("seed"))
+      .def(
+          "search",
+          [](Targets& targets, const Matrix& ends, const Doubles& log_exposure, double share, std::uint64_t seed) {
+            return searched([&](const Targets::Stop& stop) {
+              return targets.search(scratches_of(ends, {}, {}, {}), doubles(log_exposure), share, seed, stop);
+            });
+          },
+          nb::arg("ends_mm"), nb::arg("log_exposure"), nb::arg("share"), nb::arg("seed"))
+      .def(
+          "drop",
+          [](Targets& targets, const Matrix& ends, const Doubles& log_exposure, double error, double share) {
+            return searched([&](const Targets::Stop& stop) {
+              return targets.drop(scratches_of(ends, {}, {}, {}), doubles(log_exposure), error, share, stop);
+            });
+          },
+          nb::arg("ends_mm"), nb::arg("log_exposure"), nb::arg("error"), nb::arg("share"));
+  m.def("carve", &carve_of, nb::arg("board"), nb::arg("bench"), nb::arg("ends_mm"), nb::arg("width_um").none(),
+        nb::arg("depth_um").none(), nb::arg("alpha").none());
+
+#ifdef BURIN_JAX
+  m.def(
+      "jax_keep", [](Scene& scene) { return keep_for_jax(scene); }, nb::arg("scene"));
+  m.def("jax_handlers", [] {
+    nb::dict out;
+    for (const auto& [name, handler] : jax_handlers()) out[name.c_str()] = nb::capsule(handler);
+    return out;
+  });
+#endif
 
   nb::class_<ThreadLimit>(m, "ThreadLimit").def(nb::init<int>(), nb::arg("most_threads"));
   m.def("thread_count", &thread_count);

@@ -10,24 +10,33 @@ from __future__ import annotations
 from typing import Any
 
 from . import _checks, _core
-from ._checks import Error
-from ._design import Design, DesignedView, Frame, design
+from ._checks import Error, Floats
+from ._design import Design, DesignedView, Frame, LossWeights, design
 from ._render import Footprint, Gradients, Pictures, Scene, footprint_integral, render, render_vjp, tone
+from ._show import png
+from ._targets import Grooves, Loss, Searched, Targets, carve, drop_weak, guided_start, relocate
 from ._types import Bench, Board, Lens, Light, Material, Scratches, View, read
 
 __version__ = "0.1.0"
 __all__ = [
-    "Bench", "Board", "Design", "DesignedView", "Error", "Footprint", "Frame", "Gradients", "Lens", "Light", "Material", "Pictures",
-    "Scene", "Scratches", "View", "design", "footprint_integral", "has", "read", "render", "render_vjp", "set_threads",
-    "simd", "tone",
+    "Bench", "Board", "Design", "DesignedView", "Error", "Floats", "Footprint", "Frame", "Gradients", "Grooves",
+    "Lens", "Light", "Loss", "LossWeights", "Material", "Pictures",
+    "Scene", "Scratches", "Searched", "Targets", "View", "carve", "design",
+    "drop_weak", "footprint_integral", "guided_start", "has", "png", "read",
+    "relocate", "render", "render_vjp", "set_threads", "simd", "tone",
 ]
 
 _limit: Any = None
 
 
 def has(part: str) -> bool:
-    """Whether this build has a part: "core", or "calib", "capture", "simulate", "pictures" of a full build."""
-    return _checks.text("part", part) == "core"
+    """Whether a part is there.
+
+    "core": rendering, gradients, designs. "jax": `pyburin.jax`. "calib", "capture": none yet.
+    """
+    if _checks.text("part", part) == "jax":
+        return hasattr(_core, "jax_handlers")
+    return part == "core"
 
 
 def set_threads(most: int | None) -> None:

@@ -27,8 +27,10 @@ def in_this_process() -> None:
 
 
 def array_of(name: str, value: Any) -> npt.NDArray[Any]:
-    """`value` as NumPy sees it."""
+    """`value` as NumPy sees it, without a copy where its layout fits (DLPack, buffers, `__array__`)."""
     try:
+        if hasattr(value, "__dlpack__") and not hasattr(value, "__array__"):
+            return np.from_dlpack(value)
         return np.asarray(value)
     except Exception as error:  # whatever the object's own conversion raises
         raise Error(f"{name}: is no array of numbers ({error})") from None

@@ -14,6 +14,34 @@ from ._types import Bench, Board, Scratches, _core_bench, _core_board, _scratche
 
 
 @dataclass(frozen=True)
+class LossWeights:
+    """Weights of a design's loss (docs/model.md 6): sums over pixels of gamma-encoded pictures, white is 1.
+
+    Attributes
+    ----------
+    l2 : float
+        Squared differences, as in PSNR.
+    perceptual : float
+        Squared differences after a 3 x 3 Gaussian (the paper's lambda_p).
+    gram : float
+        Differences of local contrast and direction (the paper's lambda_g, by a fixed filter bank).
+    """
+
+    l2: float = 1.0
+    perceptual: float = 0.0
+    gram: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name in ("l2", "perceptual", "gram"):
+            object.__setattr__(self, name, _checks.number(f"LossWeights.{name}", getattr(self, name), least=0))
+        if self.l2 + self.perceptual + self.gram == 0:
+            raise Error("LossWeights.l2: all weights are 0; give one above 0")
+
+    def _list(self) -> list[float]:
+        return [self.perceptual, self.l2, self.gram]
+
+
+@dataclass(frozen=True)
 class Frame:
     """One iteration of a design; iteration 0 while the start grows.
 
@@ -87,10 +115,16 @@ class Design:
     def psnr_db(self) -> float:
         return float(np.mean([view.psnr_db for view in self.views]))
 
+    def _repr_html_(self) -> str:
+        from ._show import figures, png
+
+        return figures([(f"{v.view}: {v.psnr_db:.1f} dB", png(v.shown)) for v in self.views])
+
 
 def design(bench: Bench, board: Board, targets: Mapping[str, npt.ArrayLike], *, scratches: int, light: str | None = None,
            pixels: int = 0, iterations: int = 160, seed: int = 1, seconds: float = 0.0,
-           start_mm: npt.ArrayLike | None = None, on_frame: Callable[[Frame], Any] | None = None) -> Design:
+           weights: LossWeights = LossWeights(), start_mm: npt.ArrayLike | None = None,
+           on_frame: Callable[[Frame], Any] | None = None) -> Design:
     """Scratches that show a picture in each view.
 
     Parameters
@@ -109,11 +143,13 @@ def design(bench: Bench, board: Board, targets: Mapping[str, npt.ArrayLike], *, 
     iterations, seed : int
     seconds : float
         A limit on the time; 0: none. The result then depends on the machine's speed.
+    weights : LossWeights
+        Of the loss.
     start_mm : (N, 2, 2), optional
         Ends of scratches to go on from, instead of a new start.
     on_frame : callable, optional
         Called with a `Frame` after each iteration. If it returns False, the design ends with what there is; what it
-        raises is raised. Ctrl-C raises KeyboardInterrupt at the next frame.
+        raises is raised. Ctrl-C raises KeyboardInterrupt within a second.
 
     Raises
     ------
@@ -128,6 +164,8 @@ def design(bench: Bench, board: Board, targets: Mapping[str, npt.ArrayLike], *, 
         raise Error("targets: give a dict from view names to pictures, with one or more")
     if on_frame is not None and not callable(on_frame):
         raise Error(f"on_frame: is {type(on_frame).__name__}; give a function of one Frame")
+    if not isinstance(weights, LossWeights):
+        raise Error(f"weights: is {type(weights).__name__}; give a pyburin.LossWeights")
     _checks.in_this_process()
     light = bench.lights[0].id if light is None else _checks.text("light", light)
     wanted = [_core.DesignTarget(_checks.text("targets", name), light, _picture(f"targets[{name!r}]", picture), 1.0)
@@ -136,7 +174,7 @@ def design(bench: Bench, board: Board, targets: Mapping[str, npt.ArrayLike], *, 
     result = _core.design(
         _core_board(board), _core_bench(bench), wanted, _checks.integer("scratches", scratches, 1, 2_000_000),
         _checks.integer("pixels", pixels, 0, 4096), _checks.integer("iterations", iterations, 0, 1_000_000),
-        _checks.integer("seed", seed, 0, 2**63), _checks.number("seconds", seconds, least=0), start,
+        _checks.integer("seed", seed, 0, 2**63), _checks.number("seconds", seconds, least=0), weights._list(), start,
         None if on_frame is None else lambda i, loss, view_loss, s, db: on_frame(Frame(i, loss, tuple(view_loss), s, db)))
     views = tuple(DesignedView(**view) for view in result["views"])
     return Design(_scratches_of(result["scratches"]), views, result["loss"], result["iterations"], result["seconds"],

@@ -68,6 +68,7 @@ class Scene:
         if self._shape[0] * self._shape[1] * self._shape[2] > _MOST_PIXELS:
             raise Error(f"pixels: {self._shape[:3]} are more than {_MOST_PIXELS}; give fewer pixels or views")
         self._double = _checks.flag("double", double)
+        self._bench, self._board, self._on_board = bench, board, pixels is not None
         self._core = _core.Scene(_core_bench(bench), _core_board(board), self._views, self._lights, pixels is not None,
                                  window, channels, self._double)
 
@@ -88,6 +89,14 @@ class Scene:
 
     def __repr__(self) -> str:
         return f"Scene(shape={self._shape}, views={self._views}, lights={self._lights}, double={self._double})"
+
+    def _repr_html_(self) -> str:
+        """The plain face of each view."""
+        from ._show import figures, png
+
+        radiance = render(self, np.zeros((0, 4)))
+        white = float(radiance.max()) or 1.0
+        return figures([(name, png(tone(picture, 1 / white))) for name, picture in zip(self._views, radiance)])
 
     def __reduce__(self) -> Any:
         raise TypeError("a Scene cannot be pickled or copied; make one in each process")

@@ -342,6 +342,18 @@ class Scratches:
     alpha: Floats | None = None
     carved: npt.NDArray[np.bool_] | None = None
 
+    def __len__(self) -> int:
+        return len(self.ends_mm)
+
+    def __repr__(self) -> str:
+        own = [n for n in ("width_um", "depth_um", "alpha", "carved") if getattr(self, n) is not None]
+        return f"Scratches({len(self)} scratches{', with ' + ', '.join(own) if own else ''})"
+
+    def _repr_html_(self) -> str:
+        from ._show import lines_of
+
+        return f"<p>{len(self)} scratches</p>" + lines_of(self.ends_mm)
+
     @staticmethod
     def read(file: PathLike) -> Scratches:
         """Read `scratches.csv`. Raises Error naming the line of what is wrong."""

@@ -10,6 +10,7 @@ import torch
 from . import _render
 from ._checks import Error
 from ._render import Scene
+from ._targets import Targets
 
 _NAMES = ("ends_mm", "width_um", "depth_um", "alpha", "base_alpha", "lamp_mm", "lamp_log_intensity", "pose", "bow_mm",
           "machine_map")
@@ -68,6 +69,32 @@ def render(scene: Scene, ends_mm: torch.Tensor, *, width_um: torch.Tensor | None
         if value.device.type != "cpu" or value.dtype not in (torch.float32, torch.float64):
             raise Error(f"{name}: is {value.dtype} on {value.device}; give float32 or float64 on the CPU")
     out: torch.Tensor = _Render.apply(scene, carve, *values)
+    return out
+
+
+class _Loss(torch.autograd.Function):
+    @staticmethod
+    def forward(ctx: Any, targets: Targets, radiance: torch.Tensor, log_exposure: torch.Tensor) -> torch.Tensor:
+        loss = targets.loss(radiance.detach().numpy(), log_exposure.detach().numpy())
+        ctx.save_for_backward(torch.from_numpy(loss.dE_dradiance).to(radiance.dtype),
+                              torch.from_numpy(loss.dE_dlog_exposure).to(log_exposure.dtype))
+        return torch.tensor(loss.value, dtype=torch.float64)
+
+    @staticmethod
+    @torch.autograd.function.once_differentiable
+    def backward(ctx: Any, dE: torch.Tensor) -> tuple[Any, ...]:
+        by_radiance, by_log_exposure = ctx.saved_tensors
+        return None, dE.to(by_radiance.dtype) * by_radiance, dE.to(by_log_exposure.dtype) * by_log_exposure
+
+
+def loss(targets: Targets, radiance: torch.Tensor, log_exposure: torch.Tensor) -> torch.Tensor:
+    """The value of `targets.loss` with gradients by both tensors: a float64 scalar, the loss of `burin design`."""
+    if not isinstance(targets, Targets):
+        raise Error(f"targets: is {type(targets).__name__}; give pyburin.Targets")
+    for name, value in (("radiance", radiance), ("log_exposure", log_exposure)):
+        if not isinstance(value, torch.Tensor):
+            raise Error(f"{name}: is {type(value).__name__}; give a torch.Tensor")
+    out: torch.Tensor = _Loss.apply(targets, radiance, log_exposure)
     return out
 
 

@@ -19,5 +19,5 @@ def test_import_needs_numpy_alone() -> None:
 def test_public_names_are_documented() -> None:
     for name in burin.__all__:
         assert getattr(burin, name).__doc__, name
-    assert burin.has("core") and not burin.has("calib")
+    assert burin.has("core") and not burin.has("telescope")
     assert burin.simd() in ("sse2", "avx2", "avx512", "generic")
