@@ -12,6 +12,9 @@ from typing import Any
 from . import _checks, _core
 from ._checks import Error, Floats
 from ._design import Design, DesignedView, Frame, LossWeights, design
+from ._measure import Measured, Parameter, calibrate, capture, plan, read_measured, refine, residuals, simulate
+from ._program import Finding, Run, has_program, run
+from ._project import Project, ProjectDesign, Toolpath
 from ._render import Footprint, Gradients, Pictures, Scene, footprint_integral, render, render_vjp, tone
 from ._show import png
 from ._targets import Grooves, Loss, Searched, Targets, carve, drop_weak, guided_start, relocate
@@ -19,11 +22,11 @@ from ._types import Bench, Board, Lens, Light, Material, Scratches, View, read
 
 __version__ = "0.1.0"
 __all__ = [
-    "Bench", "Board", "Design", "DesignedView", "Error", "Floats", "Footprint", "Frame", "Gradients", "Grooves",
-    "Lens", "Light", "Loss", "LossWeights", "Material", "Pictures",
-    "Scene", "Scratches", "Searched", "Targets", "View", "carve", "design",
-    "drop_weak", "footprint_integral", "guided_start", "has", "png", "read",
-    "relocate", "render", "render_vjp", "set_threads", "simd", "tone",
+    "Bench", "Board", "Design", "DesignedView", "Error", "Finding", "Floats", "Footprint", "Frame", "Gradients", "Grooves",
+    "Lens", "Light", "Loss", "LossWeights", "Material", "Measured", "Parameter", "Pictures", "Project", "ProjectDesign",
+    "Run", "Scene", "Scratches", "Searched", "Targets", "Toolpath", "View", "calibrate", "capture", "carve", "design",
+    "drop_weak", "footprint_integral", "guided_start", "has", "plan", "png", "read", "read_measured", "refine",
+    "relocate", "render", "render_vjp", "residuals", "run", "set_threads", "simd", "simulate", "tone",
 ]
 
 _limit: Any = None
@@ -32,11 +35,12 @@ _limit: Any = None
 def has(part: str) -> bool:
     """Whether a part is there.
 
-    "core": rendering, gradients, designs. "jax": `pyburin.jax`. "calib", "capture": none yet.
+    "core": rendering, gradients, designs. "jax": `pyburin.jax`. "calib", "capture", "simulate", "pictures", "tools":
+    projects, photos and measurements, which the `burin` program does (on PATH, or named by BURIN_PROGRAM).
     """
     if _checks.text("part", part) == "jax":
         return hasattr(_core, "jax_handlers")
-    return part == "core"
+    return part == "core" or (part in ("calib", "capture", "simulate", "pictures", "tools") and has_program())
 
 
 def set_threads(most: int | None) -> None:
