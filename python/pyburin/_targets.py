@@ -145,7 +145,8 @@ class Targets:
         given = radiance.mean((1, 2, 3), dtype=float)
         if not (given > 0).all():
             raise Error("radiance: a view is black, which no exposure brightens")
-        return np.log(np.maximum(wanted, 1e-6) / given)
+        out: Floats = np.log(np.maximum(wanted, 1e-6) / given)
+        return out
 
     def _exposures(self, value: Any) -> Floats:
         views = self._scene.shape[0]

@@ -1,6 +1,6 @@
 """Malformed calls: each raises pyburin.Error that names the argument; none crashes, hangs or gives NaN.
 
-600 random calls, in which one argument of a sound call is replaced by something unsound, and cases by hand.
+1,000 random calls, in which one argument of a sound call is replaced by something unsound, and cases by hand.
 """
 
 from __future__ import annotations
@@ -39,6 +39,11 @@ CALLS: list[tuple[Callable[..., Any], dict[str, Any]]] = [
     (burin.View.look_at, {"name": "v", "eye_mm": (0, 0, 100), "aim_mm": (0, 1, 0)}),
     (burin.Bench, {"lens": LENS, "views": VIEWS, "lights": [LAMP], "material": MATERIAL, "ambient": (0, 0, 0),
                    "bow_mm": (0, 0, 0), "crossings": "add"}),
+    (burin.Targets, {"scene": burin.Scene(BENCH, BOARD, views=["above"], pixels=24), "targets": {"above": PICTURE},
+                     "weights": burin.LossWeights(), "lift_blacks": 0.5}),
+    (burin.relocate, {"targets": burin.Targets(burin.Scene(BENCH, BOARD, views=["above"], pixels=24), {"above": PICTURE}),
+                      "ends_mm": scratches(N), "log_exposure": np.zeros(1), "share": 0.1, "seed": 3}),
+    (burin.carve, {"bench": BENCH, "board": BOARD, "ends_mm": scratches(N), "alpha": np.full(N, 0.1)}),
     (burin.design, {"bench": BENCH, "board": BOARD, "targets": {"above": PICTURE}, "scratches": 100, "pixels": 24,
                     "iterations": 1, "seed": 1, "seconds": 0.0}),
 ]
@@ -57,7 +62,8 @@ def unsound(value: Any, random: np.random.Generator) -> Any:
                 np.array([1 + 2j]), [[1, 2], [3]], [], np.zeros((0, 7)), np.datetime64("2026-01-01")]
     if isinstance(value, str):
         return anything[random.integers(len(anything))] if random.random() < 0.7 else 7
-    if isinstance(value, (bool, dict, burin.Bench, burin.Board, burin.Scene, burin.Lens, burin.Material)):
+    if isinstance(value, (bool, dict, burin.Bench, burin.Board, burin.Scene, burin.Lens, burin.Material, burin.LossWeights,
+                          burin.Targets)):
         anything = anything[:2] + anything[5:] + [None, 3, "text"]
         return anything[random.integers(len(anything))]
     array = np.asarray(value)
@@ -76,7 +82,7 @@ def unsound(value: Any, random: np.random.Generator) -> Any:
     return (anything + spoilt)[random.integers(len(anything) + len(spoilt))]
 
 
-@pytest.mark.parametrize("seed", range(600))
+@pytest.mark.parametrize("seed", range(1000))
 def test_random_calls(seed: int) -> None:
     random = np.random.default_rng(seed)
     function, sound = CALLS[seed % len(CALLS)]
