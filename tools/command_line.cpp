@@ -350,10 +350,6 @@ int run_and_report(const std::vector<std::string>& arguments, std::string& text)
   return kDone;
 }
 
-}  // namespace
-
-namespace {
-
 // Moves the program's own options before the command. Options that the command has too stay behind it.
 std::vector<std::string> program_options_first(const std::vector<std::string>& arguments) {
   const auto app = make_app();
@@ -395,6 +391,8 @@ std::vector<std::string> with_help_as_option(const std::vector<std::string>& arg
 }
 
 }  // namespace
+
+void run_command(const std::vector<std::string>& arguments) { parse(*make_app(), arguments); }
 
 int run_program(const std::vector<std::string>& arguments) {
   fill_closed_streams();
