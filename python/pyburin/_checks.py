@@ -36,18 +36,28 @@ def array_of(name: str, value: Any) -> npt.NDArray[Any]:
         raise Error(f"{name}: is no array of numbers ({error})") from None
 
 
-def floats(name: str, value: Any, shape: tuple[int | None, ...], *, finite: bool = True) -> Floats:
+def floats(name: str, value: Any, shape: tuple[int | None, ...]) -> Floats:
     """`value` as a contiguous float64 array of `shape`; None stands for any length.
 
     Other layouts (strides, byte order, float32, integers, read-only) are copied.
     """
+    return _finite(name, value, shape, np.float64)
+
+
+def pictures(name: str, value: Any, shape: tuple[int, ...]) -> npt.NDArray[np.float32]:
+    """`value` as a contiguous float32 array of `shape`, without a copy if it is one."""
+    return _finite(name, value, shape, np.float32)
+
+
+def _finite(name: str, value: Any, shape: tuple[int | None, ...], kind: Any) -> npt.NDArray[Any]:
     array = array_of(name, value)
     if array.dtype.kind not in "fiu":
         raise Error(f"{name}: has the type {array.dtype}; give float64, float32 or integers")
     if array.ndim != len(shape) or any(n is not None and n != m for n, m in zip(shape, array.shape)):
         raise Error(f"{name}: has the shape {array.shape}; give {_words(shape)}")
-    out = np.asarray(array, dtype=np.float64, order="C")
-    if finite and not np.isfinite(out).all():
+    with np.errstate(over="ignore"):
+        out = np.asarray(array, dtype=kind, order="C")
+    if not np.isfinite(out).all():
         raise Error(f"{name}: has a value that is not finite; replace or drop it")
     return out
 

@@ -179,9 +179,7 @@ def render_vjp(scene: Scene, ends_mm: npt.ArrayLike, dE_dradiance: npt.ArrayLike
     """
     call = _Call(scene, ends_mm, width_um, depth_um, alpha, base_alpha, lamp_mm, lamp_log_intensity, pose, bow_mm,
                  machine_map, carve)
-    dE = _checks.floats("dE_dradiance", dE_dradiance, scene.shape).astype(np.float32)
-    if not np.isfinite(dE).all():
-        raise Error("dE_dradiance: has a value beyond float32")
+    dE = _checks.pictures("dE_dradiance", dE_dradiance, scene.shape)
     ends, *others = call.arguments()
     return call.gradients(scene._core.render_vjp(ends, dE, *others))
 

@@ -135,7 +135,7 @@ class Targets:
         return self._core.psnr_db(light, self._guess(light, log_exposure))
 
     def _radiance(self, value: Any) -> Pictures:
-        return _checks.floats("radiance", value, self._scene.shape).astype(np.float32)
+        return _checks.pictures("radiance", value, self._scene.shape)
 
     def _guess(self, radiance: Pictures, value: Any) -> Floats:
         """`value`, or the exposures with the targets' mean light."""

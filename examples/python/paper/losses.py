@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import argparse
 import sys
+from functools import partial
 from pathlib import Path
 from typing import Any, Callable
 
@@ -96,8 +97,7 @@ def main() -> int:
         texture = sum(((g - t) ** 2).sum() / (t**2).sum() for g, t in zip(gram_of(features(shown)), target_grams))
         return loss(by_weights["E_p"], radiance, log_exposure) * (1 + 0.5 * texture)
 
-    losses: dict[str, Callable[[Any, Any], Any]] = {
-        name: lambda radiance, log_exposure, of=of: loss(of, radiance, log_exposure) for name, of in by_weights.items()}
+    losses: dict[str, Callable[[Any, Any], Any]] = {name: partial(loss, of) for name, of in by_weights.items()}
     losses["network"] = network_loss
     start = burin.guided_start(squares, scratches)
     at_start = {name: float(E(torch.from_numpy(burin.render(scene, start.ends_mm)).double(),
