@@ -34,8 +34,8 @@ struct DesignFrame {
   std::optional<double> psnr_db{};
 };
 
-/// Usual number of iterations. Grooves that cut each other take five times as long each, and gain less from the last
-/// iterations (docs/results/design.md).
+/// Usual number of iterations. With grooves that cut each other an iteration takes longer, and the last ones gain less
+/// (docs/results/design.md).
 inline int usual_iterations(Crossings crossings) { return crossings == Crossings::deepest ? 70 : 160; }
 
 struct DesignOptions {
