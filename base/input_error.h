@@ -8,7 +8,7 @@
 
 namespace burin {
 
-/// Kind of a failure. docs/diagnostics.md lists the codes (tests/tools/diagnostics_test.cpp compares).
+/// Kind of a failure. docs/json.md lists the codes, and a test compares them.
 enum class ErrorCode {
   bad_input,
   bad_json,

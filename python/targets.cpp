@@ -136,7 +136,9 @@ Searched Targets::search(Scratches scratches, const std::vector<double>& log_exp
     const LyingGrooves grooves = grooves_in(scratches, metal_, views_);
     forget_crossings(views_);
     render_all(views_, grooves);
-    see_crossings(views_, log_exposure, grooves.whole, cover_of_pixel(scratches));
+    std::vector<Image> uncut(views_.size());
+    for (std::size_t k = 0; k < views_.size(); ++k) views_[k].renderer.forward(grooves.whole, uncut[k]);
+    see_crossings(views_, log_exposure, std::move(uncut), cover_of_pixel(scratches));
     balance_views(views_, log_exposure, options_.balance);
     out.rows = relocate_cut(scratches, views_, log_exposure, limits_, rules, metal_, count, seed, stop);
   } else {

@@ -225,7 +225,8 @@ void add_carve_check(CLI::App& check) {
   carve->add_option("--out", options->out,
                     "Write this page [default: carve-check.html in the round's or working folder]");
   carve->footer(example("burin check carve round-01\n"
-                        "  burin check carve scratches.csv --board board.json --gcode board.gcode --out check.html") +
+                        "  burin check carve scratches.csv --board board.json --bench bench.json --gcode board.gcode "
+                        "--out check.html") +
                 "\nThe exit code is 1 if the page has an error.");
   carve->callback([options, carve] { print(run_carve_check(*options, carve)); });
 }

@@ -28,9 +28,8 @@
 //   library's own message contains the remedy.
 // - Contradictory options throw CLI::ValidationError: exit code 2.
 // - A command returns or prints a Report. Its text goes to stdout; --json gives its data. The last line names the
-// result
-//   and the next command, ready to paste, with all needed options (shell_word). Capitals stand for values of the user.
-//   `next` holds only commands that run as they are.
+//   result and the next command, ready to paste, with all needed options (shell_word). Capitals stand for values of the
+//   user. `next` holds only commands that run as they are.
 // - Diagnostics that do not stop the work go through tell() and note(), and news of work that goes on through
 //   print_event() (tools/output_mode.h). A command prints nothing else, and no code reads printed text.
 // - Commands write complete outputs only (write_atomically), and make folders with make_output_folder.

@@ -180,7 +180,7 @@ void add_render_command(CLI::App& burin) {
   c->add_option("--pixels", o->animate.pixels, "Set an animation's maximum side length, pixels")
       ->check(CLI::Range(16, 4096))
       ->capture_default_str();
-  c->footer(example("burin render board.json --bench bench.json --view v00 --out v00.exr"));
+  c->footer(example("burin render board.json --bench bench/bench.json --view v00 --out v00.exr"));
   c->callback([o, c] { print(run(*o, *c)); });
 }
 

@@ -14,7 +14,7 @@
 #include "burin/optimize/design_options.h"
 #include "burin/simulate/simulated_camera.h"
 #include "tools/facts.h"
-#include "tools/report/carve_check.h"
+#include "tools/report/carve_check_files.h"
 
 namespace burin {
 

@@ -15,9 +15,6 @@ from ._checks import Error
 from ._types import PathLike, _path
 
 
-_LEVELS = ("error", "warning", "note")
-
-
 @dataclass(frozen=True)
 class Finding:
     """A diagnostic.
@@ -28,10 +25,13 @@ class Finding:
         "note": nothing to do. "warning": the result may be worse. "error": do not carve the result.
     text : str
         One sentence with the remedy.
+    code : str
+        Kind of an error (docs/json.md); else empty.
     """
 
     level: str
     text: str
+    code: str = ""
 
 
 @dataclass(frozen=True)
@@ -41,20 +41,20 @@ class Run:
     Attributes
     ----------
     command : str
-    said : tuple of str
-        Its lines for people.
+    data : dict
+        Its results by name; those with a unit are {"value", "unit", "sigma"} (docs/json.md).
     findings : tuple of Finding
     files : tuple of Path
         The files that it wrote.
-    next : str
-        The usual next command.
+    next : tuple of tuple of str
+        Further commands, each as arguments that run as they are.
     """
 
     command: str
-    said: tuple[str, ...]
+    data: dict[str, Any]
     findings: tuple[Finding, ...]
     files: tuple[Path, ...]
-    next: str
+    next: tuple[tuple[str, ...], ...]
 
 
 def program() -> Path | None:
@@ -86,16 +86,21 @@ def run(*arguments: str | os.PathLike[str], cwd: PathLike | None = None) -> Run:
 def done(answer: dict[str, Any], folder: Path = Path()) -> Run:
     """The program's JSON object as a `Run`; `folder`: of relative paths in it."""
 
-    def lines(name: str) -> tuple[str, ...]:
-        return tuple(str(v) for v in answer.get(name, ()))
+    return Run(str(answer.get("command", "")), dict(answer.get("data", {})), findings_of(answer),
+               tuple(folder / str(f) for f in answer.get("files", ())),
+               tuple(tuple(str(word) for word in line) for line in answer.get("next", ())))
 
-    findings = [Finding(level, text) for level in _LEVELS for text in lines(level + "s")]
-    for line in lines("said"):  # pages' findings are among its lines
-        level, _, text = line.partition(": ")
-        if level in _LEVELS:
-            findings.append(Finding(level, text))
-    return Run(str(answer.get("command", "")), lines("said"), tuple(findings), tuple(folder / f for f in lines("files")),
-               str(answer.get("next", "")))
+
+def findings_of(answer: dict[str, Any]) -> tuple[Finding, ...]:
+    """The diagnostics of the program's JSON object, and those of a page (`burin check carve`)."""
+    all_of_them = [*answer.get("diagnostics", ()), *answer.get("data", {}).get("findings", ())]
+    return tuple(Finding(str(d["severity"]), _sentence(d), str(d.get("code", ""))) for d in all_of_them)
+
+
+def _sentence(diagnostic: dict[str, Any]) -> str:
+    place = ": ".join(str(diagnostic[key]) for key in ("file", "field") if diagnostic.get(key))
+    words = "; ".join(str(diagnostic[key]) for key in ("message", "remedy") if diagnostic.get(key))
+    return f"{place}: {words}" if place else words
 
 
 def ask(words: Sequence[str], cwd: PathLike | None = None, most_exit_code: int = 0) -> dict[str, Any]:
@@ -121,7 +126,7 @@ def ask(words: Sequence[str], cwd: PathLike | None = None, most_exit_code: int =
         answer = json.loads(out)
     except json.JSONDecodeError:
         answer = {}
-    errors = [str(e) for e in answer.get("errors", ())] if isinstance(answer, dict) else []
+    errors = [f.text for f in findings_of(answer) if f.level == "error"] if isinstance(answer, dict) else []
     if not 0 <= process.returncode <= most_exit_code or not isinstance(answer, dict) or not answer:
         words_of_it = "; ".join(errors) or problems.strip() or f"ended with exit code {process.returncode}"
         raise Error(f"burin {words[0]}: {words_of_it}")

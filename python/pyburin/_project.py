@@ -58,8 +58,8 @@ class Toolpath:
         G-code, in the order of carving.
     page : Path
         The page to read before carving.
-    said : tuple of str
-        What the check says of each file, with its time.
+    data : dict
+        Results of the check by name, such as the time to carve.
     findings : tuple of Finding
     good : bool
         No finding is an error.
@@ -67,7 +67,7 @@ class Toolpath:
 
     files: tuple[Path, ...]
     page: Path
-    said: tuple[str, ...]
+    data: dict[str, Any]
     findings: tuple[Finding, ...]
 
     @property
@@ -108,7 +108,7 @@ class Project:
         machine : str
             A built-in machine or a burin/machine file.
         more
-            Options of `burin new`: camera, lamp, stand, fit, keep, scratches.
+            Options of `burin new`: camera, lamp, stand, fit, keep, count.
         """
         if isinstance(pictures, (str, bytes)) or not isinstance(pictures, (list, tuple)) or not 1 <= len(pictures) <= 9:
             raise Error("pictures: give a list of one to nine paths")
@@ -128,8 +128,8 @@ class Project:
         return f"Project({str(self._folder)!r})"
 
     def status(self) -> dict[str, Any]:
-        """All stages, their inputs and conditions: the object of `burin status --json`."""
-        return _program.ask(["status", str(self._folder)])
+        """All stages, their inputs and conditions: the data of `burin status --json`."""
+        return _program.done(_program.ask(["status", str(self._folder)])).data
 
     @property
     def next_step(self) -> str:
@@ -143,13 +143,13 @@ class Project:
                 if s.get("condition") != "not begun" and not s.get("up_to_date")]
 
     def trace(self, file: PathLike) -> dict[str, Any]:
-        """The inputs of a result, by content: the object of `burin trace --json`."""
-        return _program.ask(["trace", file_in("file", file), "--project", str(self._folder)])
+        """The inputs of a result, by content: the data of `burin trace --json`."""
+        return _program.done(_program.ask(["trace", file_in("file", file), "--project", str(self._folder)])).data
 
     def design(self, **more: Any) -> ProjectDesign:
         """Design the next board, with its tool path: `burin loop` as far as it goes without photos.
 
-        `more`: options of `burin loop`, which loop.toml keeps: scratches, iterations, time, seed, travel, ...
+        `more`: options of `burin loop`, which loop.toml keeps: count, iterations, time, seed, travel, ...
         A project with a truth.json also simulates its photos and measures them.
         """
         done = self._loop(more)
@@ -163,7 +163,7 @@ class Project:
         folder = self._round()
         done = _program.done(_program.ask(["check", "carve", str(self._folder)], most_exit_code=1))
         files = sorted(p for p in folder.glob("board*.*") if p.suffix in (".gcode", ".ngc", ".nc") and "frame" not in p.name)
-        return Toolpath(tuple(files), folder / "carve-check.html", done.said, done.findings)
+        return Toolpath(tuple(files), folder / "carve-check.html", done.data, done.findings)
 
     def measure(self, photos: PathLike | None = None, **more: Any) -> Measured:
         """Measure the setup from photos of the carved board: capture, calibrate, refine and report.
@@ -184,7 +184,7 @@ class Project:
                 shutil.copytree(source, folder / "photos", dirs_exist_ok=True)
         done = self._loop(more)
         if not (folder / "bench.json").is_file():
-            raise Error(f"photos: {folder / 'photos'} gave no measurement: {done.next or self.next_step}")
+            raise Error(f"photos: {folder / 'photos'} gave no measurement: {self.next_step}")
         return read_measured(folder / "board.json", folder / "bench.json", done)
 
     def _loop(self, more: dict[str, Any]) -> Run:

@@ -23,7 +23,7 @@ needs_program = pytest.mark.skipif(not burin.has("calib"), reason="no burin prog
 
 @needs_program
 def test_a_project_from_pictures_to_its_tool_path(tmp_path: Path) -> None:
-    project = burin.Project.new(tmp_path / "p", pictures=PICTURES, board_mm=(60, 60), scratches=200)
+    project = burin.Project.new(tmp_path / "p", pictures=PICTURES, board_mm=(60, 60), count=200)
     assert project.next_step and project.out_of_date == []
     made = project.design(iterations=2, travel="unknown")
     assert set(made.psnr_db) == {"moon", "boat"} == set(made.previews) and min(made.psnr_db.values()) > 8
@@ -121,11 +121,12 @@ def test_errors_are_the_program_s_own(tmp_path: Path) -> None:
 
 
 @needs_program
+@pytest.mark.skipif(signal.getsignal(signal.SIGINT) == signal.SIG_IGN, reason="runs where SIGINT is ignored")
 def test_ctrl_c_ends_the_program(tmp_path: Path) -> None:
     """An hour's design (a million iterations) ends within seconds, and leaves no process behind."""
     threading.Timer(1.0, os.kill, (os.getpid(), signal.SIGINT)).start()
     with pytest.raises(KeyboardInterrupt):
-        burin.run("design", ROOT / "samples" / "small-bench" / "design.json", "--iterations", "1000000", "--scratches", "300",
+        burin.run("design", ROOT / "samples" / "small-bench" / "design.json", "--iterations", "1000000", "--count", "300",
                   "--pixels", "32", "--out", tmp_path / "d")
 
 

@@ -86,8 +86,8 @@ TEST_F(DesignCommand, WritesWhatItSays) {
 // on its page, with the word that follows from it.
 TEST_F(DesignCommand, OneFigureWithItsPixelsEverywhere) {
   const Outcome coarse = design({}, "coarse"),
-                fine = run_burin(folder_, {"design", "bench/design.json", "--out", "fine", "--count", "600",
-                                           "--pixels", "100", "--iterations", "2"});
+                fine = run_burin(folder_, {"design", "bench/design.json", "--out", "fine", "--count", "600", "--pixels",
+                                           "100", "--iterations", "2"});
   ASSERT_EQ(coarse.exit_code, 0) << coarse.err;
   ASSERT_EQ(fine.exit_code, 0) << fine.err;
   const Json report = read(folder_ / "coarse" / "design-report.json");
@@ -108,22 +108,21 @@ TEST_F(DesignCommand, OneFigureWithItsPixelsEverywhere) {
 }
 
 TEST_F(DesignCommand, HelpBeginsWithTheOptionsThatMatter) {
-  const std::string help = run_burin(folder_, {"design", "--help"}).out;
+  const std::string help = run_burin(folder_, {"design", "--help-all"}).out;
   const auto at = [&](const char* words) { return help.find(words); };
   ASSERT_NE(at("Options that are seldom needed"), std::string::npos);
   EXPECT_LT(at("Options that are seldom needed"), at("--start-sweeps"));
-  for (const char* option : {"--out", "--scratches", "--time", "--pixels", "--carve-time", "--machine"})
+  for (const char* option : {"--out", "--count", "--time", "--pixels", "--carve-time", "--machine"})
     EXPECT_LT(at((std::string("  ") + option + " ").c_str()), at("Options that are seldom needed")) << option;
 }
 
 TEST_F(DesignCommand, CtrlCKeepsWhatThereIsAndItGoesOn) {
   // So many iterations that it would never end; the interrupt comes once the live preview shows that it runs.
   const Outcome run = run_shell(
-      folder_,
-      "cd " + quoted(folder_.path().string()) + " && { " + quoted(places::program()) +
-          " design bench/design.json --out out --count 400 --pixels 64 --iterations 1000000 --live & pid=$!; "
-          "for i in $(seq 600); do [ -e out/live.png ] && break; sleep 0.1; done; sleep 0.3; "
-          "kill -INT $pid; wait $pid; echo exit code $?; }");
+      folder_, "cd " + quoted(folder_.path().string()) + " && { " + quoted(places::program()) +
+                   " design bench/design.json --out out --count 400 --pixels 64 --iterations 1000000 --live & pid=$!; "
+                   "for i in $(seq 600); do [ -e out/live.png ] && break; sleep 0.1; done; sleep 0.3; "
+                   "kill -INT $pid; wait $pid; echo exit code $?; }");
   EXPECT_THAT(run.out, HasSubstr("exit code 130")) << run.err;
   EXPECT_THAT(run.err, HasSubstr("note: stopping with what there is so far; press Ctrl-C again to end at once"));
   EXPECT_THAT(run.err,

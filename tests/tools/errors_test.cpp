@@ -58,9 +58,9 @@ class PhotographedBoard : public ::testing::Test {
     truth["samples_plain"] = 4;
     truth["scratches"]["random"]["count"] = 200;
     write(*photographed_ / "truth.json", truth);
-    const std::string line = quoted(places::program()) + " simulate " +
-                             quoted((*photographed_ / "truth.json").string()) + " --view d0 --view d1 c3 --samples 4 --out " +
-                             quoted((*photographed_ / "bench").string()) + " >/dev/null";
+    const std::string line =
+        quoted(places::program()) + " simulate " + quoted((*photographed_ / "truth.json").string()) +
+        " --view d0 --view d1 c3 --samples 4 --out " + quoted((*photographed_ / "bench").string()) + " >/dev/null";
     ASSERT_EQ(std::system(line.c_str()), 0);
   }
   static void TearDownTestSuite() {
@@ -275,9 +275,9 @@ TEST_F(BoardFiles, FolderThatCannotBeWritten) {
   expect_refusal(run_burin(folder_, {"toolpath", "bench/scratches.csv", "--board", "bench/board.json", "--out",
                                      "/proc/out.gcode"}),
                  "/proc", "");
-  expect_refusal(run_burin(folder_, {"design", "bench/design.json", "--count", "50", "--iterations", "1", "--out",
-                                     "/proc/out"}),
-                 "/proc/out", "");
+  expect_refusal(
+      run_burin(folder_, {"design", "bench/design.json", "--count", "50", "--iterations", "1", "--out", "/proc/out"}),
+      "/proc/out", "");
   expect_nothing_written();
 }
 

@@ -92,7 +92,7 @@ TEST_F(FileFormats, TablesSessionAndMachinesAreRead) {
   EXPECT_EQ(read_coupon(folder_ / "coupon.json").fans.front().rows, 58U);
   EXPECT_EQ(read_machine_profile(folder_ / "machine.toml").limits.max_overlap, 0.3);
   EXPECT_EQ(read_heights(folder_ / "heights.json").columns, 3);
-  EXPECT_EQ(read_loop_options(folder_.path()).design.at("tolerance-mm").front(), "3");
+  EXPECT_EQ(read_loop_options(folder_.path()).design.at("tolerance").front(), "3");
   EXPECT_TRUE(read_record(folder_ / "made.json")->holds());
 }
 
@@ -115,8 +115,8 @@ TEST_F(FileFormats, PicturesInColorAreDesignedForTheLampsInAPersonsWords) {
 }
 
 TEST_F(FileFormats, BenchIsDesignedForRenderedAndCarved) {
-  const Outcome design = run_burin(folder_, {"design", "design.json", "--count", "40", "--pixels", "32",
-                                             "--iterations", "1", "--out", "design"});
+  const Outcome design = run_burin(
+      folder_, {"design", "design.json", "--count", "40", "--pixels", "32", "--iterations", "1", "--out", "design"});
   ASSERT_EQ(design.exit_code, 0) << design.err;
   const Outcome render =
       run_burin(folder_, {"render", "board.json", "--bench", "bench.json", "--view", "v00", "--out", "v00.exr"});

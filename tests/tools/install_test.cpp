@@ -38,9 +38,9 @@ TEST(Install, AnotherProjectFindsBurinAndUsesIt) {
   EXPECT_THAT(file_text(pages + "burin-capture.1"), ::testing::HasSubstr("\\-\\-bench"));
   const Outcome completed =
       run_shell(folder, "bash -c '. " + prefix + "/share/bash-completion/completions/burin; COMP_WORDS=(burin cap); " +
-                            "COMP_CWORD=1; _burin; echo \"${COMPREPLY[*]}\"; COMP_WORDS=(burin capture --li); " +
+                            "COMP_CWORD=1; _burin; echo \"${COMPREPLY[*]}\"; COMP_WORDS=(burin capture --la); " +
                             "COMP_CWORD=2; _burin; echo \"${COMPREPLY[*]}\"'");
-  EXPECT_EQ(completed.out, "capture\n--light\n") << completed.err;
+  EXPECT_EQ(completed.out, "capture\n--lamp\n") << completed.err;
   const Outcome program = run_shell(folder, quoted(prefix + "/bin/burin") + " --version");
   EXPECT_EQ(program.exit_code, 0) << program.err;
 }

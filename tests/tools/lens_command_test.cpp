@@ -33,7 +33,7 @@ struct LensCommand : ::testing::Test {
         fs::copy_file(entry.path(), folder / "photos" / entry.path().filename());
   }
   Outcome run(const std::vector<std::string>& more = {}) const {
-    std::vector<std::string> arguments{"lens",        "photos", "--chessboard", "9x6",
+    std::vector<std::string> arguments{"lens",     "photos", "--chessboard", "9x6",
                                        "--square", "25",     "--out",        "mine/camera.cameramodel"};
     arguments.insert(arguments.end(), more.begin(), more.end());
     return run_burin(folder, arguments);
@@ -79,12 +79,10 @@ TEST_F(LensCommand, RefusesWhatDoesNotServe) {
   EXPECT_EQ(other.exit_code, 1);
   EXPECT_THAT(other.err, HasSubstr("left01.jpg"));
   EXPECT_FALSE(fs::exists(folder / "mine"));
-  EXPECT_EQ(run_burin(folder, {"lens", "photos", "--chessboard", "9by6", "--square", "25", "--out", "x"}).exit_code,
-            2);
+  EXPECT_EQ(run_burin(folder, {"lens", "photos", "--chessboard", "9by6", "--square", "25", "--out", "x"}).exit_code, 2);
   folder.write("corners.vnl", "# filename x y\na.jpg 1 2\n");
-  EXPECT_EQ(
-      run_burin(folder, {"lens", "corners.vnl", "--chessboard", "9x6", "--square", "25", "--out", "x"}).exit_code,
-      2);
+  EXPECT_EQ(run_burin(folder, {"lens", "corners.vnl", "--chessboard", "9x6", "--square", "25", "--out", "x"}).exit_code,
+            2);
   const Outcome torn = run_burin(folder, {"lens", "corners.vnl", "--chessboard", "9x6", "--square", "25",
                                           "--image-size", "640x480", "--out", "x"});
   EXPECT_EQ(torn.exit_code, 1);
@@ -101,8 +99,8 @@ TEST(LensCommandOfCorners, ReproducesMrcalsCalibration) {
                 .exit_code,
             0);
   const Outcome lens =
-      run_burin(folder, {"lens", "corners.vnl", "--chessboard", "10x10", "--square", "77", "--image-size",
-                         "6016x4016", "--lens-model", "LENSMODEL_OPENCV8", "--bow", "--out", "wide.cameramodel"});
+      run_burin(folder, {"lens", "corners.vnl", "--chessboard", "10x10", "--square", "77", "--image-size", "6016x4016",
+                         "--lens-model", "LENSMODEL_OPENCV8", "--bow", "--out", "wide.cameramodel"});
   ASSERT_EQ(lens.exit_code, 0) << lens.err;
   EXPECT_NEAR(number_after(lens.out, "focal lengths "), 2073.873, 0.21);
   EXPECT_NEAR(number_after(lens.out, "px RMS a point, "), 0.5513, 0.0055);

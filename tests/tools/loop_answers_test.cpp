@@ -265,7 +265,8 @@ TEST_F(LoopAnswering, OneAnswerKeepsWhatIsInTheMetal) {
   design_round(2);
   write("round-01/board.gcode", "edited");
   fs::remove(project() / "round-02" / "scratches.csv");
-  EXPECT_THAT(stopped(), AllOf(HasSubstr("--force round-02/design --allow-stale`"), Not(HasSubstr("--force round-01"))));
+  EXPECT_THAT(stopped(),
+              AllOf(HasSubstr("--force round-02/design --allow-stale`"), Not(HasSubstr("--force round-01"))));
 }
 
 TEST_F(LoopAnswering, RefusedBeforeTheFormerResultIsMoved) {
@@ -307,7 +308,7 @@ TEST_F(LoopAnswering, FormerResultOfTheSameIsTakenBack) {
   ASSERT_FALSE(fs::exists(project() / "round-01" / "scratches.csv"));
   // Not for other options, not of another version, and not where a file is another by now.
   MadeRecord other = begun;
-  other.options["scratches"] = "7";
+  other.options["count"] = "7";
   EXPECT_EQ(restore_former(loop_, at, other, hashes), fs::path());
   other = begun;
   other.burin = "0.1";
@@ -397,7 +398,7 @@ TEST_F(LoopAnswering, WhereNoOnePhotoTellsThePlanIsNamed) {
 // Of 11 um that the machine was told it made 8.1: the next board is told what makes 11, as far as its table reaches.
 TEST_F(LoopAnswering, NextBoardIsToldTheDepthThatMakesTheWantedOne) {
   loop_.options.machine = "grbl-spring";
-  loop_.options.design = {{"iterations", {"1"}}, {"pixels", {"48"}}, {"scratches", {"60"}}};
+  loop_.options.design = {{"iterations", {"1"}}, {"pixels", {"48"}}, {"count", {"60"}}};
   design_round(1);
   Bench bench = measured_bench();
   bench.material.depth_um = 8.1;

@@ -91,8 +91,14 @@ class LoopOfSeveralLamps : public ::testing::Test {
       }
   }
   Outcome loop(std::vector<std::string> more = {}) const {
-    std::vector<std::string> words{"loop",  "project",          "--allow-undetermined", "depth_um", "--allow-undetermined",
-                                   "alpha", "--allow-undetermined", "machine.affine"};
+    std::vector<std::string> words{"loop",
+                                   "project",
+                                   "--allow-undetermined",
+                                   "depth_um",
+                                   "--allow-undetermined",
+                                   "alpha",
+                                   "--allow-undetermined",
+                                   "machine.affine"};
     words.insert(words.end(), more.begin(), more.end());
     return run_burin(folder_, words);
   }

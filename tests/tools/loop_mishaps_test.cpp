@@ -323,7 +323,7 @@ TEST(LoopMishaps, OptionsAreTheCommandsOwn) {
   ASSERT_EQ(p.loop({"--allow-stale"}).exit_code, 0);
   EXPECT_THAT(p.status().out, HasSubstr("ended early and kept"));
   EXPECT_THAT(p.text("loop.toml"),
-              AllOf(HasSubstr("# mine"), HasSubstr("scratches = 300"), HasSubstr("[toolpath]\nframe = true")));
+              AllOf(HasSubstr("# mine"), HasSubstr("count = 300"), HasSubstr("[toolpath]\nframe = true")));
   for (const auto& [line, wrong] : {std::pair{"sharpness = 3", "project/loop.toml:7: design.sharpness: is no option"},
                                     std::pair{"start = \"nowhere\"", "project/loop.toml: design"}}) {
     p.folder.write("project/loop.toml",

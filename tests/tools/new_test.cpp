@@ -299,8 +299,7 @@ TEST_F(NewProjectTest, NotesNameFilesWhereTheyAreInTheEnd) {
 }
 
 TEST_F(NewProjectTest, BoardsInInchesAreEchoedAndBareSmallOnesAskedFor) {
-  const Outcome made =
-      make({"p", "--board", "6x4in", "--lamp", "above 24in", "--pictures", "a.png", "--count", "300"});
+  const Outcome made = make({"p", "--board", "6x4in", "--lamp", "above 24in", "--pictures", "a.png", "--count", "300"});
   ASSERT_EQ(made.exit_code, 0) << made.err;
   EXPECT_THAT(made.out,
               AllOf(HasSubstr("Board: 6x4in, that is 152.4 x 101.6 mm"), HasSubstr("Lamp: above 24in, that is")));

@@ -82,8 +82,8 @@ class ReportPage : public ::testing::Test {
     make_tiny_project(folder, {"d0", "d1", "c0", "c2", "c3"}, 1.0 / 3);
     fs::rename(folder / "project", folder / "my bench");
     const fs::path project = folder / "my bench", round = project / "round-01";
-    ASSERT_EQ(run_burin(folder, {"design", "my bench/design.json", "--count", "400", "--pixels", "64",
-                                 "--iterations", "4", "--out", "my bench/round-01/design"})
+    ASSERT_EQ(run_burin(folder, {"design", "my bench/design.json", "--count", "400", "--pixels", "64", "--iterations",
+                                 "4", "--out", "my bench/round-01/design"})
                   .exit_code,
               0);
     Json truth = read_json_file(folder / "truth.json");

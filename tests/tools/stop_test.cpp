@@ -172,7 +172,7 @@ TEST(Simd, IsChosenByOptionOrEnvironmentAndWrittenDown) {
   const TemporaryFolder folder;
   const std::string bench = places::source() + "/samples/small-bench";
   const std::vector<std::string> design{"design", bench + "/design.json", "--count", "100",  "--pixels",
-                                        "48",     "--iterations",         "3",           "--out"};
+                                        "48",     "--iterations",         "3",       "--out"};
   const auto made_with = [&](std::vector<std::string> before, const std::string& out) {
     before.insert(before.end(), design.begin(), design.end());
     before.push_back(out);

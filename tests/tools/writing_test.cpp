@@ -149,8 +149,8 @@ TEST_F(Writing, ViewsInAnyScriptHaveFilesOfTheirOwn) {
   replace(spec, "\"d0\"", "\"左\""), replace(spec, "\"d1\"", "\"右\"");
   folder.write("p/bench.json", bench);
   folder.write("p/design.json", spec);
-  ASSERT_EQ(run_burin(folder, {"design", "p/design.json", "--out", "d", "--iterations", "1", "--pixels", "48",
-                               "--count", "30"})
+  ASSERT_EQ(run_burin(folder,
+                      {"design", "p/design.json", "--out", "d", "--iterations", "1", "--pixels", "48", "--count", "30"})
                 .exit_code,
             0);
   EXPECT_TRUE(fs::exists(folder / "d/preview-左.png") && fs::exists(folder / "d/preview-右.png"));

@@ -7,20 +7,9 @@
 #include <vector>
 
 #include "burin/optimize/toolpath/carve_check.h"
+#include "tools/report/carve_check_files.h"
 
 namespace burin {
-
-/// Input files of a check. An empty path: no such file.
-struct CarveCheckFiles {
-  std::vector<std::filesystem::path> gcode;
-  std::filesystem::path board, bench, scratches;
-  std::filesystem::path design;   ///< design.json: for its views the scratches must glint
-  std::filesystem::path folder;   ///< output of `burin design`: previews and design-report.json
-  std::filesystem::path heights;  ///< heights.json for the depths in the G-code
-  std::string machine = "grbl";
-  bool follow_bow = false;
-  std::vector<Finding> outdated;  ///< reasons for outdated G-code; empty: up to date
-};
 
 /// Findings of a check, the machine, and the page's pictures (HTML).
 struct CheckedCarving {

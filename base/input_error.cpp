@@ -1,7 +1,6 @@
-#include "burin/base/error.h"
+#include "burin/base/input_error.h"
 
 #include "burin/base/files/printable.h"
-#include "burin/base/input_error.h"
 
 namespace burin {
 namespace {
