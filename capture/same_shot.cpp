@@ -254,7 +254,7 @@ void pass_over_copies(std::vector<IncomingPhoto>& photos, std::vector<Finding>& 
 std::vector<bool> twins_of(const std::vector<ExifPhoto>& photos, const std::vector<std::optional<PhotoLook>>& looks,
                            std::vector<Finding>& findings) {
   // Chooses the kept file of a shot: a frequent kind, raw before more bits before HEIC, from which phones make JPEGs.
-  // Then the usual size decides, then a name that extends no other's; what was saved anew by a chat has fewer bytes.
+  // Then the usual size decides, then a name that extends no other's; a copy that a chat program saved has fewer bytes.
   std::map<std::pair<int, int>, int> sizes;
   std::map<std::string, int> kinds;
   std::set<std::string> stems;

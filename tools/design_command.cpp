@@ -301,10 +301,7 @@ void set_seldom_ones_apart(CLI::App& command, std::size_t first) {
     if (!often.contains(all[i]->get_name())) all[i]->group(kSeldom);
 }
 
-}  // namespace
-
-void add_design_options(CLI::App& command, DesignArguments& o) {
-  const std::size_t first = command.get_options().size();
+void add_search_options(CLI::App& command, DesignArguments& o) {
   command.add_option("--count", o.scratches, "Start with this number of scratches [default: DESIGN.json's]")
       ->check(CLI::Range(1, 2000000));
   command.add_option("--iterations", o.iterations,
@@ -369,6 +366,9 @@ void add_design_options(CLI::App& command, DesignArguments& o) {
                      "Set Adam's initial learning rate, fraction of the board's edges [default: auto]");
   command.add_option("--final-rate", o.design.final_rate,
                      "Set Adam's final learning rate, fraction of the board's edges [default: auto]");
+}
+
+void add_outcome_options(CLI::App& command, DesignArguments& o) {
   command.add_option("--perceptual", o.design.loss.perceptual, "Set the weight of the perceptual loss")
       ->capture_default_str();
   command.add_option("--l2", o.design.loss.l2, "Set the weight of the squared-error loss")->capture_default_str();
@@ -409,6 +409,14 @@ void add_design_options(CLI::App& command, DesignArguments& o) {
                      "Prune the weakest scratches that carry this share of the light, instead of --drop-error");
   command.add_option("--drop-share", o.design.drop_share,
                      "Prune this share of the scratches, 0 to 1, instead of --drop-error");
+}
+
+}  // namespace
+
+void add_design_options(CLI::App& command, DesignArguments& o) {
+  const std::size_t first = command.get_options().size();
+  add_search_options(command, o);
+  add_outcome_options(command, o);
   set_seldom_ones_apart(command, first);
 }
 

@@ -1,14 +1,15 @@
-
-
 #include "burin/base/files/input_file.h"
+
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
+
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <limits>
 #include <utility>
+
 #include "burin/base/error.h"
 #include "burin/base/files/descriptor.h"
 #include "burin/base/files/files_together.h"

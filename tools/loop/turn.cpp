@@ -326,7 +326,7 @@ Report dry_run(const LoopProject& loop, const LoopAnswers& answers) {
   Report report;
   report.line("{}: {}\n", fact("project", loop.project.folder.string()), fact("options", in_words(loop.options)));
   const std::vector<StageState> states = states_of(loop, turn.hashes);
-  int made_in = 0;  // from this round on, a stage is made because one before it is
+  bool is_made_before = false;  // then all stages behind are made, too
   for (const StageState& state : states) {
     const std::string name = name_of(loop.project, state.at);
     const auto say = [&](const char* action, const std::string& why) {
@@ -340,14 +340,13 @@ Report dry_run(const LoopProject& loop, const LoopAnswers& answers) {
       say("wait for", "photos into " + (loop.project.round(state.at.round) / "photos").string());
       return report;
     }
-    if (!again && is_open(turn, state) && !answers.keep && made_in == 0) {
+    if (!again && is_open(turn, state) && !answers.keep && !is_made_before) {
       const LoopQuestion question = question_of(loop, state);
       say("ask about", question.what + "; " + question.remedy);
       return report;
     }
-    const bool makes = again || made_in > 0 || is_made_by_itself(state);
-    if (makes) made_in = std::max(made_in, 1);
-    say(makes ? "make" : is_open(turn, state) ? "keep" : "have", makes && made_in == 0 ? in_words(state) : "");
+    is_made_before = is_made_before || again || is_made_by_itself(state);
+    say(is_made_before ? "make" : is_open(turn, state) ? "keep" : "have", "");
   }
   return report;
 }
