@@ -74,7 +74,9 @@ struct DesignResult {
   std::vector<ViewTolerance> tolerance;  ///< one per view, if requested
   std::vector<CarvingPoint> curve;       ///< from all scratches down, if requested
   std::vector<DesignIteration> history;  ///< the loss is the value before each iteration's step
-  int eye_px = 0;         ///< resolution of an eye at a viewpoint, in pixels along the carve area's longer side
+  /// Resolution of an eye at a viewpoint, in pixels along the carve area's longer side; one more if the design fitted
+  /// exactly these.
+  int eye_px = 0;
   double eye_from_m = 0;  ///< distance of these eyes; a farther eye resolves fewer
   std::vector<ContactFrame> frames;
   std::vector<Finding> findings;                             ///< on bench, pictures and the run

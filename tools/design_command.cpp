@@ -134,22 +134,19 @@ void give_depth(double depth_um, Scratches& rows) {
 
 int longer_side(const Image& image) { return std::max(image.width, image.height); }
 
-// Prints each view's PSNR at the eye's resolution and, if different, at the design's.
+// Prints each view's PSNR at the eye's resolution, and in the pixels to which the design fitted it.
 void report_views(const DesignResult& result, Report& report) {
   const int eye_px = result.eye_px, own_px = longer_side(result.views.front().shown);
   const auto of = [](int px) { return fmt::format("({} px)", px); };
-  const bool own = own_px != eye_px;
-  const std::string no_word, close = own ? "  close by" : "", close_px = own ? fmt::format("  {:>8}", of(own_px)) : "";
-  report.line("view        PSNR dB {}   SSIM   plain face   own / highest other target's correlation\n", close);
-  report.line("            {:<8}{}          {}\n", of(eye_px), close_px, of(own_px));
+  report.line("view        PSNR dB     fitted   SSIM   plain face   own / highest other target's correlation\n");
+  report.line("            {:<8}  {:>8}          {}\n", of(eye_px), of(own_px), of(own_px));
   for (std::size_t k = 0; k < result.views.size(); ++k) {
     const DesignedView& v = result.views[k];
     Facts view = report.add("views");
-    view.set("psnr", v.psnr_db, "dB");
-    view.line("{:<10}  {:7.2f} {}  {:5.3f}   {:7.2f} dB   {:5.2f} / {:5.2f}\n", fact("view", v.view),
-              fact("eye_psnr", v.eye_psnr_db, "dB"), own ? fmt::format("  {:8.2f}", v.psnr_db) : no_word,
-              fact("ssim", v.ssim), fact("plain_face_psnr", v.achievable_psnr_db, "dB"),
-              fact("own_correlation", v.ghost[k]), fact("highest_other_correlation", highest_other(v.ghost, k)));
+    view.line("{:<10}  {:7.2f}   {:8.2f}  {:5.3f}   {:7.2f} dB   {:5.2f} / {:5.2f}\n", fact("view", v.view),
+              fact("eye_psnr", v.eye_psnr_db, "dB"), fact("psnr", v.psnr_db, "dB"), fact("ssim", v.ssim),
+              fact("plain_face_psnr", v.achievable_psnr_db, "dB"), fact("own_correlation", v.ghost[k]),
+              fact("highest_other_correlation", highest_other(v.ghost, k)));
     if (v.color)
       view.line("            in color: red {:.2f}, green {:.2f}, blue {:.2f} dB, luminance {:.2f} dB {}\n",
                 fact("red_psnr", v.color->quality.channel_psnr_db[0], "dB"),
@@ -159,8 +156,9 @@ void report_views(const DesignResult& result, Report& report) {
   }
   report.all().set("pixels", own_px);
   report.line(
-      "{} px along the longer side are what eyes {:.2g} m away tell apart: compare designs by them. Plain face: the "
-      "target, if nothing but the plain face's own light were wrong; grooves that cover the face may come nearer.\n",
+      "{} px along the longer side are what eyes {:.2g} m away tell apart: compare designs by them. Fitted: the "
+      "design's own pixels, which flatter it. Plain face: the target, if nothing but the plain face's own light were "
+      "wrong; grooves that cover the face may come nearer.\n",
       fact("eye_pixels", eye_px), fact("eye_distance", result.eye_from_m, "m"));
 }
 

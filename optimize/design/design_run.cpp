@@ -473,14 +473,12 @@ double DesignRun::eye_distance_mm() const {
   return mean;
 }
 
-// Measures the figure of merit at the resolution of eyes at the viewpoints, independent of the design's pixels.
+// Measures the figure of merit at the resolution of eyes at the viewpoints. A design fits its own pixels up to 2 dB
+// better than any others, which no eye and no camera has; so the pixels are always others.
 void DesignRun::measure_for_eyes() {
   result_.eye_from_m = eye_distance_mm() / 1000;
-  result_.eye_px = pixels_of_eyes(limits_.max_mm - limits_.min_mm, eye_distance_mm());
-  if (result_.eye_px == pixels_) {
-    for (DesignedView& v : result_.views) v.eye_psnr_db = v.psnr_db;
-    return;
-  }
+  const int resolved = pixels_of_eyes(limits_.max_mm - limits_.min_mm, eye_distance_mm());
+  result_.eye_px = resolved == pixels_ ? resolved + 1 : resolved;
   report("measuring what eyes see", 0);
   std::vector<char> lines;
   for (const WorkView& v : views_) lines.push_back(v.sees_lines);
@@ -492,7 +490,7 @@ void DesignRun::measure_for_eyes() {
   for (std::size_t k = 0; k < shown_; ++k) {
     DesignedView& out = result_.views[k];
     out.eye_psnr_db = psnr_db(shown[k], Exposed::best);
-    if (result_.eye_px > pixels_ && k < view_limits_.size())
+    if (resolved > pixels_ && k < view_limits_.size())
       view_limits_[k].pixels = pixels_limit_db(shown[k], log_exposure_, out.target);
   }
 }

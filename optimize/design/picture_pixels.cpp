@@ -43,8 +43,8 @@ double pixels_a_stroke(const std::vector<WorkView>& views, std::size_t strokes) 
 std::optional<int> fewer_pixels(int pixels, double a_stroke, bool crowd) {
   constexpr double kAtOnce = 0.75;
   if (!(a_stroke > kMost || crowd) || pixels <= kStillAPicture) return std::nullopt;
-  const double side = pixels * (crowd ? kAtOnce : std::max(kAtOnce, std::sqrt(kUsual / a_stroke)));
-  return std::max(kStillAPicture, static_cast<int>(std::lround(side)));
+  const double side = pixels * (crowd ? kAtOnce : std::max(kAtOnce, std::sqrt(kMost / a_stroke)));
+  return std::max(kStillAPicture, static_cast<int>(side));
 }
 
 Finding pixels_were_chosen(const std::vector<WorkView>& views, std::size_t strokes, Crossings crossings) {
