@@ -1,5 +1,5 @@
-// tests/tools/loop_bench.h - a tiny copy of the sample, to turn its loop in seconds: two pictures, 600 scratches, few
-// and small photos. The truth lies beside the project: the workshop is the test's.
+// tests/tools/loop_bench.h - a tiny copy of the sample, to turn its loop in seconds: two pictures, 600 scratches whose
+// light adds, on a coarser face, few and small photos. The truth lies beside the project: the workshop is the test's.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -30,6 +30,16 @@ inline void make_tiny_project(const TemporaryFolder& folder, const std::vector<s
   Json truth = read_json_file(project / "truth.json");
   truth["camera"]["imagersize"] = {static_cast<int>(900 * scale + 0.5), static_cast<int>(700 * scale + 0.5)};
   for (int i = 0; i < 4; ++i) truth["camera"]["intrinsics"][i] = truth["camera"]["intrinsics"][i].get<double>() * scale;
+  const auto set_material = [](Json& of, double alpha, double depth_um, double base_alpha) {
+    of["material"].update({{"alpha", alpha}, {"depth_um", depth_um}, {"base_alpha", base_alpha}});
+  };
+  Json board = read_json_file(project / "board.json"), bench = read_json_file(project / "bench.json");
+  set_material(board, 0.04, 11, 0.1);
+  bench["material"]["crossings"] = "add";
+  set_material(truth, 0.06, 15, 0.12);
+  truth["believed"]["material"] = board["material"];
+  truth["overlap"] = "sum";
+  truth["lights"][0]["position_mm"] = {69, -319, 452.5};
   truth["samples"] = 16;
   truth["samples_plain"] = 9;
   Json kept = Json::array();
@@ -39,6 +49,8 @@ inline void make_tiny_project(const TemporaryFolder& folder, const std::vector<s
   truth["views"] = kept;
   fs::remove(project / "truth.json");
   std::ofstream(project / "design.json") << design;
+  std::ofstream(project / "board.json") << board;
+  std::ofstream(project / "bench.json") << bench;
   std::ofstream(folder / "truth.json") << truth;
 }
 
