@@ -141,7 +141,7 @@ TEST(CheckCarve, TheRoundOfALoop) {
       0);
   const Outcome check = run_burin(folder, {"check", "carve", "p/round-01", "--machine", "grbl-spring"});
   EXPECT_EQ(check.exit_code, 0) << check.out << check.err;
-  EXPECT_THAT(check.out, AllOf(HasSubstr("its table is a guess"), HasSubstr("view d2: "), HasSubstr("11.0 µm deep")));
+  EXPECT_THAT(check.out, AllOf(HasSubstr("its table is a guess"), HasSubstr("view d2: "), HasSubstr("13.0 µm deep")));
   const std::string page = file_text(round / "carve-check.html");
   EXPECT_THAT(page, AllOf(HasSubstr("as promised"), HasSubstr("data:image/"), HasSubstr("where the tool first touches"),
                           HasSubstr("sideways")));

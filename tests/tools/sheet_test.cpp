@@ -228,11 +228,11 @@ TEST_F(SheetCommand, SaysWhereLampAndEyesGoOnTableAndWall) {
   EXPECT_THAT(run.out, AllOf(HasSubstr("sheet.pdf and my <board>/sheet.html: 4 places and 5 photos"),
                              HasSubstr("burin loop 'my <board>'")));
   const std::string html = file_text(folder_ / "my <board>" / "sheet.html");
-  // d0 of the sample's bench: 177 mm beyond the right edge, 95 mm beyond the upper edge of 120, 412 mm above.
-  EXPECT_THAT(html, AllOf(HasSubstr("177 mm beyond the right edge"), HasSubstr("95 mm beyond the upper edge"),
-                          HasSubstr("412 mm above the face"), HasSubstr("412 mm in front of the face")));
-  // On the wall: 1600 + (120 + 95 - 60).
-  EXPECT_THAT(html, AllOf(HasSubstr("eye 1755 mm above the floor"), HasSubstr("&lt;b&gt;&amp;middle"),
+  // d0 of the sample's bench: 189 mm beyond the right edge, 87 mm beyond the upper edge of 120, 408 mm above.
+  EXPECT_THAT(html, AllOf(HasSubstr("189 mm beyond the right edge"), HasSubstr("87 mm beyond the upper edge"),
+                          HasSubstr("408 mm above the face"), HasSubstr("408 mm in front of the face")));
+  // On the wall: 1600 + (120 + 87 - 60).
+  EXPECT_THAT(html, AllOf(HasSubstr("eye 1747 mm above the floor"), HasSubstr("&lt;b&gt;&amp;middle"),
                           Not(HasSubstr("<b>&middle")), HasSubstr("<h1>my &lt;board&gt;</h1>"), HasSubstr("5</label>"),
                           HasSubstr("Focus once at 500 mm"), Not(HasSubstr("style=\""))));
   EXPECT_EQ(html.find("http://"), html.find("http://www.w3.org/2000/svg"));
@@ -253,8 +253,8 @@ TEST_F(SheetCommand, APdfHasTheSameWords) {
       run_burin(folder_, {"sheet", "my <board>", "--shots", "9", "--out", "s.pdf", "--paper", "letter"}).exit_code, 0);
   const Outcome text = run_shell(folder_, "cd " + quoted(folder_.path().string()) + " && pdftotext -layout s.pdf -");
   ASSERT_EQ(text.exit_code, 0) << text.err;
-  for (const char* words : {"on a table", "on a wall", "photos, in this order", "1: view \"d0\"", "177 mm beyond the",
-                            "1665 mm above", "12", "Focus once at 500 mm", "Eyes between 1.53 and 1.6"})
+  for (const char* words : {"on a table", "on a wall", "photos, in this order", "1: view \"d0\"", "189 mm beyond the",
+                            "1677 mm above", "12", "Focus once at 500 mm", "Eyes between 1.53 and 1.6"})
     EXPECT_THAT(text.out, HasSubstr(words));
 }
 
