@@ -10,7 +10,6 @@
 #include "burin/base/image.h"
 #include "burin/optimize/loss/loss.h"
 #include "burin/optimize/machine_profile.h"
-#include "burin/scene/crossings.h"
 #include "burin/scene/scratches.h"
 
 namespace burin {
@@ -34,15 +33,13 @@ struct DesignFrame {
   std::optional<double> psnr_db{};
 };
 
-/// Usual number of iterations. With grooves that cut each other an iteration takes longer, and the last ones gain less
-/// (docs/results/design.md).
-inline int usual_iterations(Crossings crossings) { return crossings == Crossings::deepest ? 70 : 160; }
-
 struct DesignOptions {
   /// Pixels of the grid along the carve area's longer side. 0: 512 for a random start, else those that eyes at the
   /// viewpoints resolve, or as many as strokes can fill (burin/optimize/design/picture_pixels.h).
   int pixels = 0;
-  int iterations = 160;
+  /// None: 160; 70 if grooves cut each other, where an iteration takes longer and the last ones gain less
+  /// (docs/results/design.md).
+  std::optional<int> iterations;
   std::uint64_t seed = 1;
   /// Adam's step per iteration in uv (fractions of the board's width and height). 0: 1e-3 after a random start, else
   /// 0.2 pixels.

@@ -434,8 +434,8 @@ DesignSpec spec_of(const std::vector<DesignTarget>& targets) {
 }
 
 nb::dict design_of(const Board& board, const Bench& bench, const std::vector<DesignTarget>& targets, int scratches,
-                   int pixels, int iterations, std::uint64_t seed, double seconds, const std::array<double, 3>& loss,
-                   const std::optional<Matrix>& from, nb::object on_frame) {
+                   int pixels, std::optional<int> iterations, std::uint64_t seed, double seconds,
+                   const std::array<double, 3>& loss, const std::optional<Matrix>& from, nb::object on_frame) {
   DesignSpec spec = spec_of(targets);
   spec.scratches = scratches;
   DesignOptions options;

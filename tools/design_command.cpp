@@ -230,7 +230,6 @@ DesignDone run_design(const DesignArguments& o) {
   for (const Finding& finding : bench.findings) tell(finding);
   for (const Finding& finding : height_findings(board, spec.board)) tell(finding);
   DesignOptions options = o.design;
-  options.iterations = o.iterations.value_or(usual_iterations(bench.crossings));
   options.start = o.start == "guided" ? Start::guided : Start::random;
   for (const std::string& name : o.free) {
     options.optimize_width = options.optimize_width || name == "width";
@@ -302,7 +301,7 @@ void set_seldom_ones_apart(CLI::App& command, std::size_t first) {
 void add_search_options(CLI::App& command, DesignArguments& o) {
   command.add_option("--count", o.scratches, "Start with this number of scratches [default: DESIGN.json's]")
       ->check(CLI::Range(1, 2000000));
-  command.add_option("--iterations", o.iterations,
+  command.add_option("--iterations", o.design.iterations,
                      "Run 0 to 1000000 optimizer iterations [default: 160; 70 if grooves cut]");
   command
       .add_option("--time", o.time,

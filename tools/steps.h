@@ -23,7 +23,6 @@ struct DesignArguments {
   std::filesystem::path spec, out, bench, board, from;
   std::vector<std::filesystem::path> carved;
   int scratches = 0;
-  std::optional<int> iterations;  ///< none: usual_iterations()
   std::string start = "guided", exposure = "view", time, carve_time, machine;
   std::vector<std::string> free;  ///< "width", "depth", "alpha"
   DesignOptions design;

@@ -48,9 +48,9 @@ void DesignRun::iterate() {
   log_shared_ = {std::log(board_.tool_width_um), std::log(bench_.material.depth_um), std::log(bench_.material.alpha)};
   spread_shared();
   momenta_ = {Adam(count()), Adam(count()), Adam(count()), Adam(count()), Adam(log_exposure_.size()), Adam(3)};
-  contact_ = contact_iterations(options_.iterations, options_.contact_frames);
+  contact_ = contact_iterations(iterations_, options_.contact_frames);
   iterations_began_s_ = deadline_.seconds();
-  drop_at_ = static_cast<int>(std::lround(options_.drop_at * options_.iterations));
+  drop_at_ = static_cast<int>(std::lround(options_.drop_at * iterations_));
   bright_.assign(views_.size(), {});
   // After a random start, scratches learn their direction from faint light.
   if (!starts_at_random())
@@ -63,7 +63,7 @@ void DesignRun::iterate() {
   last_rate_ = options_.final_rate > 0 ? options_.final_rate : starts_at_random() ? 1e-4 : 0.0125 / pixels_;
   part_ = 0;
   for (iteration_ = 0;; ++iteration_) {
-    const bool last = iteration_ == options_.iterations || result_.stopped_early;
+    const bool last = iteration_ == iterations_ || result_.stopped_early;
     count_time();
     // After a stop, no evaluation of whole grooves as they would be cut follows.
     if (last && deadline_.wished() && !rims_count_ && best_) {
@@ -97,7 +97,7 @@ void DesignRun::iterate() {
   cut_look_.reset();
   result_.iteration_seconds = deadline_.seconds() - iterations_began_s_;
   if (options_.carve_hours > 0) keep_to_budget(3600 * options_.carve_hours);
-  if (options_.iterations > 0) settle_order();  // a design without iterations measures its scratches as they are
+  if (iterations_ > 0) settle_order();  // a design without iterations measures its scratches as they are
 }
 
 // The last evaluation, pruning and the figures cost about two evaluations more.
@@ -111,7 +111,7 @@ void DesignRun::count_time() {
                : time < kSearched        ? kRimsFrom * time / kSearched
                                          : kRimsFrom + (1 - kRimsFrom) * (time - kSearched) / (1 - kSearched);
   // Iterations within the time limit do not depend on the clock, so the same input gives the same bits.
-  const double all = std::max(1, options_.iterations - 1), by_number = iteration_ / all;
+  const double all = std::max(1, iterations_ - 1), by_number = iteration_ / all;
   part_ = std::max(part_, time_part_ > (iteration_ + 1) / all ? time_part_ : by_number);
 }
 
@@ -273,7 +273,7 @@ void DesignRun::record(bool last) {
   }
   show(iteration_, result_.history.back().loss, result_.history.back().view_loss,
        std::exchange(looked_db_, std::nullopt));
-  report("designing", options_.iterations > 0 ? static_cast<double>(iteration_) / options_.iterations : 1);
+  report("designing", iterations_ > 0 ? static_cast<double>(iteration_) / iterations_ : 1);
 }
 
 void DesignRun::show(int iteration, double loss, const std::vector<double>& view_loss, std::optional<double> psnr_db) {

@@ -55,6 +55,7 @@ DesignRun::DesignRun(const DesignSpec& spec, const Board& board, const Bench& be
       bench_(bench),
       options_(options),
       progress_(progress),
+      iterations_(options.iterations.value_or(grooves_cut_each_other() ? 70 : 160)),
       deadline_(options.time_limit_s, options.stop) {
   check_options(options, board);
   if (spec.scratches < 1 || spec.views.empty())

@@ -145,6 +145,7 @@ class DesignRun {
   const Bench& bench_;
   const DesignOptions& options_;
   const Progress& progress_;
+  const int iterations_;  // all of them
   const Metal metal_{bench_, board_};
   // Searches use whole grooves if grooves cut each other's rims away, because their many pieces take twenty times as
   // long. Their loss of light is rendered now and then (crossing_loss).

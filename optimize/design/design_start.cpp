@@ -31,7 +31,8 @@ void check_options(const DesignOptions& o, const Board& board) {
   };
   need(o.pixels == 0 || (o.pixels >= 16 && o.pixels <= 8192), "pixels", "is out of range",
        "give 16 to 8192; 0 chooses");
-  need(o.iterations >= 0 && o.iterations <= 1000000, "iterations", "is out of range", "100 is usual");
+  need(!o.iterations || (*o.iterations >= 0 && *o.iterations <= 1000000), "iterations", "is out of range",
+       "100 is usual");
   need(o.rate >= 0 && o.rate < 1 && o.final_rate >= 0 && o.final_rate < 1, "rate", "is out of range",
        "0.001 is usual, 0 chooses");
   need(o.loss.perceptual >= 0 && o.loss.l2 >= 0 && o.loss.gram >= 0 && o.loss.perceptual + o.loss.l2 + o.loss.gram > 0,

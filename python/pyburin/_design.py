@@ -122,7 +122,7 @@ class Design:
 
 
 def design(bench: Bench, board: Board, targets: Mapping[str, npt.ArrayLike], *, scratches: int, light: str | None = None,
-           pixels: int = 0, iterations: int = 160, seed: int = 1, seconds: float = 0.0,
+           pixels: int = 0, iterations: int | None = None, seed: int = 1, seconds: float = 0.0,
            weights: LossWeights = LossWeights(), start_mm: npt.ArrayLike | None = None,
            on_frame: Callable[[Frame], Any] | None = None) -> Design:
     """Scratches that show a picture in each view.
@@ -140,7 +140,9 @@ def design(bench: Bench, board: Board, targets: Mapping[str, npt.ArrayLike], *, 
         Id of the light, or several joined by " + "; default: the bench's first.
     pixels : int
         Of the grid along the carve area's longer side; 0: chosen.
-    iterations, seed : int
+    iterations : int, optional
+        Default: 160; 70 if grooves cut each other.
+    seed : int
     seconds : float
         A limit on the time; 0: none. The result then depends on the machine's speed.
     weights : LossWeights
@@ -173,7 +175,8 @@ def design(bench: Bench, board: Board, targets: Mapping[str, npt.ArrayLike], *, 
     start = None if start_mm is None else _checks.ends(start_mm)
     result = _core.design(
         _core_board(board), _core_bench(bench), wanted, _checks.integer("scratches", scratches, 1, 2_000_000),
-        _checks.integer("pixels", pixels, 0, 4096), _checks.integer("iterations", iterations, 0, 1_000_000),
+        _checks.integer("pixels", pixels, 0, 4096),
+        None if iterations is None else _checks.integer("iterations", iterations, 0, 1_000_000),
         _checks.integer("seed", seed, 0, 2**63), _checks.number("seconds", seconds, least=0), weights._list(), start,
         None if on_frame is None else lambda i, loss, view_loss, s, db: on_frame(Frame(i, loss, tuple(view_loss), s, db)))
     views = tuple(DesignedView(**view) for view in result["views"])
