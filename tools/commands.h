@@ -68,6 +68,7 @@ void add_report_command(CLI::App& burin);
 void add_view_command(CLI::App& burin);
 void add_loop_command(CLI::App& burin);
 void add_status_command(CLI::App& burin);
+void add_studio_command(CLI::App& burin);
 void add_trace_command(CLI::App& burin);
 void add_check_command(CLI::App& burin);
 

@@ -131,7 +131,8 @@ void begin_output(OutputMode mode, const std::vector<std::string>& arguments) {
   said = {};
   said.mode = mode;
   if (const std::size_t at = place_of_command(arguments); at < arguments.size()) said.command = arguments[at];
-  if (mode == OutputMode::json && said.command == "watch") said.mode = OutputMode::json_lines;  // it goes on
+  const bool goes_on = said.command == "watch" || said.command == "studio";
+  if (mode == OutputMode::json && goes_on) said.mode = OutputMode::json_lines;
 }
 
 Json to_json(const std::vector<Finding>& findings) {

@@ -190,6 +190,7 @@ bool make_design(const LoopProject& loop, int number) {
   step.set("", o.spec, round / "design.json").set("--out", o.out, round / "design");
   step.set("--machine", o.machine, machine_argument(loop.options, project.folder));
   step.give(loop, design_arguments(loop.options, project.folder));
+  o.live = true;  // while it works; the page of `burin studio` shows it
   // Tolerances of eye and lamp: for the page before carving, and to identify photos of designed viewpoints.
   if (!loop.options.design.contains("tolerance") && !loop.options.design.contains("report-tolerance"))
     step.set("--report-tolerance", o.design.report_tolerance);
@@ -208,6 +209,8 @@ bool make_design(const LoopProject& loop, int number) {
   step.run([&](const DesignArguments& arguments) {
     DesignDone done = run_design(arguments);
     stopped_early = done.stopped_early;
+    std::error_code ignored;
+    fs::remove(round / "design" / "live.png", ignored);
     return std::move(done.report);
   });
   if (stopped_early) return false;
