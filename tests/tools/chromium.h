@@ -62,18 +62,34 @@ class Chromium {
   /// loaded. A phone has a touch screen. `dark`: what the page is told of the person's wishes.
   void open(const std::filesystem::path& file, int width, int height, const std::string& fragment = "",
             bool phone = false, bool dark = false) {
+    std::string address = "file://";
+    for (const char c : std::filesystem::absolute(file).string())
+      address += c == ' ' ? "%20" : c == '#' ? "%23" : c == '%' ? "%25" : std::string(1, c);
+    open_address(address + (fragment.empty() ? "" : "#" + fragment), width, height, phone, dark);
+  }
+
+  /// The same for a page of a server on this machine.
+  void open_address(const std::string& address, int width, int height, bool phone = false, bool dark = false) {
     requests_.clear();
-    command("Emulation.setDeviceMetricsOverride",
-            {{"width", width}, {"height", height}, {"deviceScaleFactor", 1}, {"mobile", phone}});
+    resize(width, height, phone);
     command("Emulation.setTouchEmulationEnabled", {{"enabled", phone}});
     command("Emulation.setEmulatedMedia",
             {{"features", {{{"name", "prefers-color-scheme"}, {"value", dark ? "dark" : "light"}}}}});
     navigate("about:blank");  // a new fragment alone would load nothing
-    std::string address = "file://";
-    for (const char c : std::filesystem::absolute(file).string())
-      address += c == ' ' ? "%20" : c == '#' ? "%23" : c == '%' ? "%25" : std::string(1, c);
     complaints_.clear();
-    navigate(address + (fragment.empty() ? "" : "#" + fragment));
+    navigate(address);
+  }
+
+  void resize(int width, int height, bool phone = false) {
+    command("Emulation.setDeviceMetricsOverride",
+            {{"width", width}, {"height", height}, {"deviceScaleFactor", 1}, {"mobile", phone}});
+  }
+
+  /// Chooses files in an input of the page, as its dialog does.
+  void choose_files(const std::string& selector, const std::vector<std::string>& files) {
+    const Json root = command("DOM.getDocument")["root"]["nodeId"];
+    const Json input = command("DOM.querySelector", {{"nodeId", root}, {"selector", selector}})["nodeId"];
+    command("DOM.setFileInputFiles", {{"nodeId", input}, {"files", files}});
   }
 
   /// The value of an expression in the page, a promise's when it is kept. Throws std::runtime_error for an exception.

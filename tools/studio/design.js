@@ -31,13 +31,13 @@ export function showDesign(root, state, go) {
   const ready = board?.files.some((file) => file.name === "board.gcode"), report = board?.report;
   const start = (extra) => send("/api/do", {action: "loop", "carve-curve": true, ...given(), ...extra});
   const stages = state.status?.data?.stages || [], interrupted = stages.some((stage) => stage.condition === "interrupted");
-  lead(root, ["lead", ready, Boolean(busy), interrupted, state.project.made].join(), ready && !busy ? t("designReady") : t("designLead"),
+  lead(root, ["lead", ready, Boolean(busy), running, state.work?.stopping, interrupted, state.project.made, Boolean(board)].join(), ready && !busy ? t("designReady") : t("designLead"),
        ready && !busy ? {words: t("toCarve"), action: () => go("carve")}
-                      : {words: board && !busy ? t("goOn") : t("start"), disabled: Boolean(busy) || !state.project.made, action: () => start(interrupted ? {"allow-stale": true} : {})},
-       t("designMore"));
+       : running ? {words: t(state.work.stopping ? "stopping" : "stop"), disabled: state.work.stopping, action: () => send("/api/stop")}
+                 : {words: board ? t("goOn") : t("start"), disabled: Boolean(busy) || !state.project.made, action: () => start(interrupted ? {"allow-stale": true} : {})},
+       t(ready && !busy ? "readyMore" : "designMore"));
   const two = part(root, "two", {class: "two"}), left = part(two, "left"), right = part(two, "right");
   const live = running && board?.live;
-  const picture = live ? `round:${board.name}:${board.live}` : report ? "report" + JSON.stringify(report.views) : "none" + Boolean(running);
   if (live) {
     const url = fileUrl(board.name + "/design/live.png", board.live);
     fill(left, "live", () => [el("div", {class: "live"}, el("img", {alt: t("searching")}))]);
@@ -45,14 +45,14 @@ export function showDesign(root, state, go) {
     next.onload = () => { const shown = left.querySelector(".live img"); if (shown) shown.src = url; };
     next.src = url;
   } else if (report?.views && !running) {
-    fill(left, picture, () => [el("ul", {class: "cards"}, report.views.map((view) => el("li", {class: "card"},
+    fill(left, "report" + JSON.stringify(report.views), () => [el("ul", {class: "cards"}, report.views.map((view) => el("li", {class: "card"},
       el("div", {class: "pair"}, [["preview", "asDesigned"], ["target", "asWanted"]].map(([key, words]) => el("figure", {}, el("img", {src: fileUrl(`${board.name}/design/${view[key]}`, board.live || report.scratches), alt: `${view.view}, ${t(words)}`}), el("figcaption", {}, t(words))))),
       el("h3", {}, view.view), el("div", {class: "value"}, t("db", {v: number(view.eye_psnr_db ?? view.psnr_db)}))))),
       el("p", {class: "soft"}, t("scratchesLine", {n: report.scratches, m: number((report.length_mm?.total || 0) / 1000)}))]);
   } else if (!running && state.project.files?.includes("preview.png")) {
     fill(left, "first", () => [el("img", {class: "shot", src: fileUrl("preview.png"), alt: t("firstLookAlt")}), el("p", {class: "soft small"}, t("firstLook"))]);
-  } else {
-    fill(left, picture, () => [el("div", {class: "live"}, t("searching"))]);
+  } else if (!left.firstChild || !running) {
+    fill(left, "searching", () => [el("div", {class: "live"}, t("searching"))]);
   }
   const points = report?.carving_curve?.points;
   fill(part(right, "settings"), "settings" + Boolean(ready), () => {

@@ -30,13 +30,13 @@ export function showPlace(root, state, go) {
         words = t("away", {d: number(rough.away, 0)}) + ", " + t("mirror", {d: number(rough.mirror, 0)}) + (rough.neighbour < 180 ? ", " + t("neighbour", {d: number(rough.neighbour, 0)}) : "");
         if (bad) words += ". " + t("glare");
       }
-      return el("tr", {}, el("th", {scope: "row"}, t(kind === "lamp" ? "lamp" : "eye", {name})), inputs, el("td", {class: "small " + (bad ? "warning" : "soft")}, words));
+      return el("tr", {}, el("th", {scope: "row"}, kind === "lamp" && name === "lamp" ? t("lampPlace") : t(kind, {name})), inputs, el("td", {class: "small " + (bad ? "warning" : "soft")}, words));
     };
     const fillRows = () => rows.replaceChildren(...Object.entries(setup.lamps).map(([name, at]) => row("lamp", name, at)), ...Object.entries(setup.eyes).map(([name, at]) => row("eye", name, at)));
     draw();
     fillRows();
     return [measured || setup.fixed ? el("p", {class: "warning"}, t("fixedPlace")) : null, drawings,
-      el("details", {open: window.innerWidth > 900}, el("summary", {}, t("position")), el("table", {}, rows)), el("p", {class: "soft small"}, t("coarse"))];
+      el("details", {open: window.innerWidth > 900}, el("summary", {}, t("position")), el("table", {class: "places"}, rows)), el("p", {class: "soft small"}, t("coarse"))];
   });
   fill(part(root, "undo", {class: "row"}), "undo" + state.project.former, () => [state.project.former ? el("button", {onclick: () => send("/api/edit", {what: "undo"})}, t("undo")) : null]);
 }

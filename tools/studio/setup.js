@@ -52,18 +52,22 @@ export function drawSetup(setup, side, {moved, took, wanted} = {}) {
       svg.append(el("rect", {class: "tag", x: x([tag.center_mm[0], 0, 0]) - s / 2, y: y([0, tag.center_mm[1], 0]) - s / 2, width: s, height: s}));
     }
   }
+  const labelled = [];  // places of labels: two that would lie on each other are put below each other
+  const title = (kind, name) => (kind === "lamp" && name === "lamp" ? t("lampPlace") : t(kind, {name}));
   const handle = (kind, name, at) => {
     const ray = el("line", {class: "ray", x1: x(center), y1: y(center)});
     const dot = el("circle", {class: kind, r: 12}), label = el("text", {"text-anchor": "middle"}, name);
     const group = el("g", {class: moved ? "handle" : "", tabindex: moved ? 0 : undefined, role: moved ? "button" : undefined,
-                           "aria-label": moved ? t(kind === "lamp" ? "lamp" : "eye", {name}) + ", " + t("position") : undefined}, dot, label);
+                           "aria-label": moved ? title(kind, name) + ", " + t("position") : undefined}, dot, label);
     if (wanted === name) group.prepend(el("circle", {class: "wanted", r: 20}));
     const put = () => {
       ray.setAttribute("x2", x(at)), ray.setAttribute("y2", y(at));
       for (const circle of group.querySelectorAll("circle")) circle.setAttribute("cx", x(at)), circle.setAttribute("cy", y(at));
       label.setAttribute("x", Math.min(kWidth - 30, Math.max(30, x(at))));
-      label.setAttribute("y", y(at) > kHeight - 40 ? y(at) - 22 : y(at) + 32);
+      label.setAttribute("y", (y(at) > kHeight - 40 ? y(at) - 22 : y(at) + 32) + lower);
     };
+    const lower = 19 * labelled.filter(([px, py]) => Math.hypot(px - x(at), py - y(at)) < 40).length;
+    labelled.push([x(at), y(at)]);
     put();
     svg.append(ray, group);
     if (!moved) return;

@@ -79,7 +79,7 @@ class Studio {
   std::string fingerprint() const;
   void change_file(const std::string& name, const std::function<void(Json&)>& change);
   void undo();
-  void keep_former(const std::filesystem::path& file);
+  void keep_former(const std::string& name, const std::string& text);
   std::filesystem::path store(const UploadBody& body, std::uintmax_t most_bytes) const;
 
   std::filesystem::path folder_;

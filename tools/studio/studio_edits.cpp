@@ -104,28 +104,29 @@ std::string png_of(const Image& image, const fs::path& folder) {
 
 }  // namespace
 
-void Studio::keep_former(const fs::path& file) {
+void Studio::keep_former(const std::string& name, const std::string& text) {
   const fs::path folder = workshop() / "former";
   make_output_folder(folder);
   std::vector<fs::path> kept;
   for (const auto& entry : fs::directory_iterator(folder)) kept.push_back(entry.path());
   std::sort(kept.begin(), kept.end());
   const int last = kept.empty() ? 0 : std::atoi(kept.back().filename().c_str());
-  write_text(read_text(file), folder / fmt::format("{:06}-{}", last + 1, file.filename().string()));
+  write_text(text, folder / fmt::format("{:06}-{}", last + 1, name));
   if (kept.size() >= kMostFormer) fs::remove(kept.front());
 }
 
 void Studio::change_file(const std::string& name, const std::function<void(Json&)>& change) {
   const fs::path file = folder_ / name;
   const WorkLock lock(folder_, "burin studio");
-  Json json = Json::parse(read_text(file));
+  const std::string former = read_text(file);
+  Json json = Json::parse(former);
   const Json before = json;
   change(json);
   if (json == before) return;
-  keep_former(file);
   allow_change_of(file);
   write_file(json_text(json, file), file, Durability::on_disk,
              [&](const fs::path& written) { check_edited(folder_, name, written); });
+  keep_former(name, former);
 }
 
 void Studio::undo() {

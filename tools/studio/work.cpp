@@ -29,7 +29,7 @@ std::string start_of_process(pid_t process) {
   std::string text((std::istreambuf_iterator<char>(file)), {});
   const std::size_t behind = text.rfind(')');
   if (behind == std::string::npos || text.compare(behind + 2, 1, "Z") == 0) return {};
-  constexpr int kFieldsBetween = 20;
+  constexpr int kFieldsBetween = 19;
   std::size_t at = behind + 1;
   for (int i = 0; i < kFieldsBetween && at != std::string::npos; ++i) at = text.find(' ', at + 1);
   return at == std::string::npos ? std::string() : text.substr(at + 1, text.find(' ', at + 1) - at - 1);
