@@ -12,6 +12,8 @@ install(TARGETS ${burin_targets} EXPORT burinTargets ARCHIVE DESTINATION ${CMAKE
         FILE_SET HEADERS DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 if(NOT BURIN_CORE)
   install(TARGETS burin RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+  install(FILES tools/studio/burin-studio.desktop DESTINATION ${CMAKE_INSTALL_DATADIR}/applications)
+  install(FILES tools/studio/burin.svg DESTINATION ${CMAKE_INSTALL_DATADIR}/icons/hicolor/scalable/apps)
 endif()
 
 set(burin_cmake_dir ${CMAKE_INSTALL_LIBDIR}/cmake/burin)

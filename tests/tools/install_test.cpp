@@ -32,6 +32,8 @@ TEST(Install, AnotherProjectFindsBurinAndUsesIt) {
   EXPECT_TRUE(std::filesystem::exists(prefix + "/share/burin/samples/small-bench/board.json"));
   EXPECT_TRUE(std::filesystem::exists(prefix + "/share/doc/burin/LICENSE"));
   EXPECT_TRUE(std::filesystem::exists(prefix + "/share/doc/burin/design.md"));
+  EXPECT_TRUE(std::filesystem::exists(prefix + "/share/applications/burin-studio.desktop"));
+  EXPECT_TRUE(std::filesystem::exists(prefix + "/share/icons/hicolor/scalable/apps/burin.svg"));
   // Manual pages that man can read, and a completion that bash can run.
   const std::string pages = prefix + "/share/man/man1/";
   EXPECT_THAT(file_text(pages + "burin.1"), ::testing::HasSubstr("burin\\-toolpath (1)"));
