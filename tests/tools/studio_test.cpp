@@ -369,7 +369,7 @@ TEST(Studio, LeadsFromPicturesToGcodeInABrowser) {
   browser.press("ArrowUp");
   ASSERT_TRUE(until("fetch('/api/state?seen=0').then(r => r.json()).then(s => s.project.former === 1)", 10));
   click_main();
-  ASSERT_TRUE(until(heading("Burin searches the scratches."), 10));
+  ASSERT_TRUE(until(heading("Let Burin search the scratches."), 10));
   browser.evaluate(
       "for (const [name, value] of Object.entries({count: '300', pixels: '48', iterations: '10', travel: 'unknown'})) {"
       " const input = document.getElementById('wish-' + name); input.value = value; input.dispatchEvent(new "

@@ -31,11 +31,11 @@ export function showDesign(root, state, go) {
   const ready = board?.files.some((file) => file.name === "board.gcode"), report = board?.report;
   const start = (extra) => send("/api/do", {action: "loop", "carve-curve": true, ...given(), ...extra});
   const stages = state.status?.data?.stages || [], interrupted = stages.some((stage) => stage.condition === "interrupted");
-  lead(root, ["lead", ready, Boolean(busy), running, state.work?.stopping, interrupted, state.project.made, Boolean(board)].join(), ready && !busy ? t("designReady") : t("designLead"),
+  lead(root, ["lead", ready, Boolean(busy), running, state.work?.stopping, interrupted, state.project.made, Boolean(board)].join(), t(ready && !busy ? "designReady" : running ? "designRuns" : interrupted ? "designStopped" : "designLead"),
        ready && !busy ? {words: t("toCarve"), action: () => go("carve")}
        : running ? {words: t(state.work.stopping ? "stopping" : "stop"), disabled: state.work.stopping, action: () => send("/api/stop")}
-                 : {words: board ? t("goOn") : t("start"), disabled: Boolean(busy) || !state.project.made, action: () => start(interrupted ? {"allow-stale": true} : {})},
-       t(ready && !busy ? "readyMore" : "designMore"));
+                 : {words: t(interrupted ? "keepIt" : board ? "goOn" : "start"), disabled: Boolean(busy) || !state.project.made, action: () => start(interrupted ? {"allow-stale": true} : {})},
+       t((ready || interrupted) && !busy ? "readyMore" : "designMore"));
   const two = part(root, "two", {class: "two"}), left = part(two, "left"), right = part(two, "right");
   const live = running && board?.live;
   if (live) {
@@ -55,12 +55,12 @@ export function showDesign(root, state, go) {
     fill(left, "searching", () => [el("div", {class: "live"}, t("searching"))]);
   }
   const points = report?.carving_curve?.points;
-  fill(part(right, "settings"), "settings" + Boolean(ready), () => {
+  fill(part(right, "settings"), "settings" + Boolean(ready || interrupted), () => {
     const field = (key, words, hint) => el("label", {}, el("span", {}, words), el("input", {value: wish[key], placeholder: hint, id: "wish-" + key, onchange: (event) => (wish[key] = event.target.value.trim())}));
     return el("section", {class: "panel"},
       el("label", {}, el("span", {}, t("howLong")), el("select", {id: "wish-time", onchange: (event) => (wish.time = event.target.value)}, [["", "noLimit"], ["1min", "minute"], ["10min", "tenMinutes"], ["1h", "hour"]].map(([value, key]) => el("option", {value, selected: value === wish.time}, t(key))))),
       el("details", {}, el("summary", {}, t("more")), el("div", {class: "fields"}, field("count", t("count"), "12000"), field("carve-time", t("carveTime"), "6h30min"), field("travel", t("travel"), "300x180"), field("pixels", t("pixels"), t("automatic")), field("iterations", t("iterations"), t("automatic")))),
-      ready ? el("div", {class: "row"}, el("button", {id: "anew", onclick: () => start({force: "design"})}, t("designAgain"))) : null);
+      ready || interrupted ? el("div", {class: "row"}, el("button", {id: "anew", onclick: () => start({force: "design"})}, t("designAgain"))) : null);
   });
   fill(part(right, "curve"), JSON.stringify(points || []), () => points?.length > 1 ? el("section", {class: "panel"}, curve(points)) : []);
   const hand = state.project.files?.includes("view.html");

@@ -21,7 +21,7 @@ export function showPlace(root, state, go) {
     };
     const draw = () => drawings.replaceChildren(drawSetup(setup, false, {moved}), drawSetup(setup, true, {moved}));
     const row = (kind, name, at) => {
-      const inputs = ["right", "up", "out"].map((axis, i) => el("td", {}, el("input", {type: "number", step: 1, value: Math.round(at[i]), "aria-label": `${name}, ${t(axis)}, mm`,
+      const inputs = ["right", "up", "out"].map((axis, i) => el("td", {}, el("input", {type: "number", step: 1, disabled: setup.posed.includes(name), value: Math.round(at[i]), "aria-label": `${name}, ${t(axis)}, mm`,
         onchange: (event) => { at[i] = Number(event.target.value); moved(kind, name, at, true); }})));
       let words = "", bad = false;
       if (kind === "eye") {
@@ -35,7 +35,7 @@ export function showPlace(root, state, go) {
     const fillRows = () => rows.replaceChildren(...Object.entries(setup.lamps).map(([name, at]) => row("lamp", name, at)), ...Object.entries(setup.eyes).map(([name, at]) => row("eye", name, at)));
     draw();
     fillRows();
-    return [measured || setup.fixed ? el("p", {class: "warning"}, t("fixedPlace")) : null, drawings,
+    return [measured || setup.posed.length ? el("p", {class: "warning"}, t("fixedPlace")) : null, drawings,
       el("details", {open: window.innerWidth > 900}, el("summary", {}, t("position")), el("table", {class: "places"}, rows)), el("p", {class: "soft small"}, t("coarse"))];
   });
   fill(part(root, "undo", {class: "row"}), "undo" + state.project.former, () => [state.project.former ? el("button", {onclick: () => send("/api/edit", {what: "undo"})}, t("undo")) : null]);

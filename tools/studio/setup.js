@@ -6,14 +6,20 @@ const kWidth = 640, kHeight = 460, kMargin = 46;
 /** The setup of bench.json and board.json as plain points in the board's frame, mm. */
 export function setupOf(bench, board) {
   const [w, h] = board.size_mm;
-  const setup = {w, h, carve: board.carve_mm, tags: board.tags?.list || [], eyes: {}, lamps: {}, fixed: false};
+  const setup = {w, h, carve: board.carve_mm, tags: board.tags?.list || [], eyes: {}, lamps: {}, posed: []};
   for (const view of bench.views || []) {
     if (Array.isArray(view.eye_mm)) setup.eyes[view.view] = [...view.eye_mm];
-    else setup.fixed = true;
+    else if (Array.isArray(view.T_camera_board)) {
+      setup.eyes[view.view] = eyeOf(view.T_camera_board);
+      setup.posed.push(view.view);
+    }
   }
   for (const light of bench.lights || []) if (Array.isArray(light.position_mm)) setup.lamps[light.id] = [...light.position_mm];
   return setup;
 }
+
+// The camera's center, -R' t of its pose.
+const eyeOf = (pose) => [0, 1, 2].map((axis) => -[0, 1, 2].reduce((sum, row) => sum + pose[row][axis] * pose[row][3], 0));
 
 const minus = (a, b) => a.map((v, i) => v - b[i]);
 const length = (a) => Math.hypot(...a);
@@ -55,10 +61,11 @@ export function drawSetup(setup, side, {moved, took, wanted} = {}) {
   const labelled = [];  // places of labels: two that would lie on each other are put below each other
   const title = (kind, name) => (kind === "lamp" && name === "lamp" ? t("lampPlace") : t(kind, {name}));
   const handle = (kind, name, at) => {
+    const moves = moved && !setup.posed.includes(name);
     const ray = el("line", {class: "ray", x1: x(center), y1: y(center)});
     const dot = el("circle", {class: kind, r: 12}), label = el("text", {"text-anchor": "middle"}, name);
-    const group = el("g", {class: moved ? "handle" : "", tabindex: moved ? 0 : undefined, role: moved ? "button" : undefined,
-                           "aria-label": moved ? title(kind, name) + ", " + t("position") : undefined}, dot, label);
+    const group = el("g", {class: moves ? "handle" : "", tabindex: moves ? 0 : undefined, role: moves ? "button" : undefined,
+                           "aria-label": moves ? title(kind, name) + ", " + t("position") : undefined}, dot, label);
     if (wanted === name) group.prepend(el("circle", {class: "wanted", r: 20}));
     const put = () => {
       ray.setAttribute("x2", x(at)), ray.setAttribute("y2", y(at));
@@ -70,7 +77,7 @@ export function drawSetup(setup, side, {moved, took, wanted} = {}) {
     labelled.push([x(at), y(at)]);
     put();
     svg.append(ray, group);
-    if (!moved) return;
+    if (!moves) return;
     const move = (dx, dy, done) => {
       at[axes[0]] = Math.round(at[axes[0]] + dx), at[axes[1]] = Math.round(at[axes[1]] + dy);
       at[2] = Math.max(10, at[2]);

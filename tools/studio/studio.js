@@ -66,8 +66,9 @@ function showWork() {
 /** What a command refused, with its own remedy; where it asks, the answers that it takes. */
 function showQuestion() {
   const stages = state.status?.data?.stages || [];
-  const asking = stages.filter((stage) => stage.asks || stage.condition === "interrupted"), result = state.work?.running ? null : state.work?.result;
-  const errors = result && result.exit_code !== 0 ? result.diagnostics.filter((one) => one.severity === "error" && one.code !== "stopped") : [];
+  const interrupted = stages.some((stage) => stage.condition === "interrupted");  // Design's main button answers it
+  const asking = stages.filter((stage) => stage.asks), result = state.work?.running ? null : state.work?.result;
+  const errors = result && result.exit_code !== 0 ? result.diagnostics.filter((one) => one.severity === "error" && one.code !== "stopped" && !(one.code === "question" && interrupted)) : [];
   const box = part(main, "question");
   if (main.firstChild !== box) main.prepend(box);
   const shown = !state.work?.running && !state.at_work && state.project.made && (asking.length || errors.length) || (!state.project.made && errors.length);
