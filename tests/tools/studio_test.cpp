@@ -15,6 +15,7 @@
 #include "tests/places.h"
 #include "tests/temporary_folder.h"
 #include "tests/tools/chromium.h"
+#include "tests/tools/loop_bench.h"
 #include "tests/tools/program.h"
 #include "tests/tools/studio_under_test.h"
 
@@ -258,6 +259,73 @@ TEST(Studio, EndsAtOnceAndIdlesWithoutWork) {
   EXPECT_LE(studio.threads(), threads);
   EXPECT_LT(studio.end(SIGINT), 2.0) << "with a client that waits";
   ::close(stays);
+}
+
+// A phone in the network sees the next shot, sends its photos, and hears what is wrong with them.
+TEST(Studio, JudgesThePhotosOfAPhone) {
+  const TemporaryFolder folder;
+  make_tiny_project(folder, {"d0", "c1"}, 0.5);
+  StudioUnderTest studio(folder / "project", {"--lan", "127.0.0.2"});
+  StudioDoor phone(studio.next_address());
+  EXPECT_EQ(phone.get("/api/shots").status, 403) << "without its token";
+  studio.enter();
+  phone.cookie = studio.cookie;
+  EXPECT_EQ(phone.get("/api/shots").status, 403) << "the other address's cookie is not its";
+  phone.enter();
+  EXPECT_EQ(phone.get("/?token=" + phone.address.substr(phone.address.find('=') + 1)).status, 303)
+      << "several phones may come";
+  for (const char* path :
+       {"/api/state?seen=0", "/file/design.json", "/studio.js", "/thumb?file=targets/moon.png", "/qr.svg"})
+    EXPECT_EQ(phone.get(path).status, 404) << path;
+  for (const char* path :
+       {"/api/do", "/api/stop", "/api/edit", "/api/picture?name=a.png", "/api/mask?view=d0", "/api/remove?file=a.png"})
+    EXPECT_EQ(phone.post(path, "{}").status, 404) << path;
+  EXPECT_EQ(studio.get("/qr.svg").status, 200);
+  EXPECT_EQ(phone.post("/api/photo?name=a.png", sample_picture("moon.png")).status, 400)
+      << "there is no board to photograph";
+
+  ASSERT_EQ(studio.post("/api/do", kSmallLoop).status, 200);
+  ASSERT_EQ(studio.wait_for_work(120)["work"]["result"]["exit_code"], 0);
+  const Outcome workshop =
+      run_burin(folder, {"simulate", "truth.json", "--scratches", "project/round-01/sent.csv", "--out", "workshop"});
+  ASSERT_EQ(workshop.exit_code, 0) << workshop.err;
+  std::size_t sent = 0;
+  for (const auto& photo : fs::directory_iterator(folder / "workshop/photos")) {
+    const StudioReply reply =
+        phone.post("/api/photo?name=../" + photo.path().filename().string(), file_text(photo.path()));
+    ASSERT_EQ(reply.status, 200) << reply.body;
+    EXPECT_TRUE(fs::exists(folder / "project/round-01/photos" / photo.path().filename()));
+    EXPECT_EQ(
+        phone.post("/api/photo?name=" + photo.path().filename().string(), file_text(photo.path())).json()["known"],
+        true)
+        << "a dropped connection sends twice";
+    ++sent;
+  }
+  EXPECT_EQ(phone.post("/api/photo?name=b.jpg", "no picture").status, 400);
+  std::size_t judged = 0;
+  nlohmann::json shots;
+  for (int i = 0; i < 150 && judged < sent; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    shots = phone.get("/api/shots?seen=0").json();
+    judged = 0;
+    if (shots["judge"].is_object())
+      for (const auto& event : shots["judge"]["events"])
+        if (event["event"] == "photo") ++judged;
+  }
+  EXPECT_EQ(judged, sent) << shots.dump();
+  const auto& last = shots["judge"]["events"].back();
+  EXPECT_FALSE(last["now"].get<std::string>().empty()) << "what to take next";
+  EXPECT_EQ(shots["photos"], sent);
+}
+
+TEST(Studio, NamesAPortThatIsTaken) {
+  const TemporaryFolder folder;
+  StudioUnderTest studio(folder / "hum");
+  const Outcome second = run_burin(folder, {"studio", "other", "--no-browser", "--port", std::to_string(studio.port)});
+  EXPECT_EQ(second.exit_code, 1);
+  EXPECT_THAT(second.err, HasSubstr("cannot be listened on"));
+  folder.write("full/letter.txt", "mine");
+  EXPECT_THAT(run_burin(folder, {"studio", "full", "--no-browser"}).err, HasSubstr("is neither a project nor empty"));
 }
 
 // Requests of random bytes, and right ones with random faults. More of them: BURIN_STUDIO_REQUESTS=100000.

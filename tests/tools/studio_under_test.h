@@ -35,43 +35,18 @@ struct StudioReply {
   nlohmann::json json() const { return nlohmann::json::parse(body, nullptr, false); }
 };
 
-class StudioUnderTest {
- public:
-  /// Starts `burin --json studio FOLDER --no-browser ...` and reads the addresses that it prints.
-  explicit StudioUnderTest(const std::filesystem::path& folder, const std::vector<std::string>& more = {}) {
-    int out[2];
-    if (::pipe2(out, O_CLOEXEC) != 0) throw std::runtime_error("pipe");
-    std::vector<std::string> words{places::program(), "--json", "studio", folder.string(), "--no-browser"};
-    words.insert(words.end(), more.begin(), more.end());
-    std::vector<char*> argv;
-    for (std::string& word : words) argv.push_back(word.data());
-    argv.push_back(nullptr);
-    process_ = ::fork();
-    if (process_ == 0) {
-      ::dup2(out[1], 1);
-      const int nothing = ::open("/dev/null", O_RDWR);
-      ::dup2(nothing, 0);
-      ::dup2(nothing, 2);
-      ::execv(argv[0], argv.data());
-      ::_exit(127);
-    }
-    ::close(out[1]);
-    out_ = out[0];
-    address = next_address();
-    const std::size_t colon = address.rfind(':'), slash = address.find('/', colon);
-    port = std::stoi(address.substr(colon + 1, slash - colon - 1));
-    host = "127.0.0.1:" + std::to_string(port);
-  }
-  ~StudioUnderTest() {
-    if (process_ > 0) end(SIGKILL);
-    ::close(out_);
-  }
-  StudioUnderTest(const StudioUnderTest&) = delete;
-  StudioUnderTest& operator=(const StudioUnderTest&) = delete;
+/// One address of a studio, with its cookie.
+struct StudioDoor {
+  std::string address, ip, host, cookie;
+  int port = 0;
 
-  std::string next_address() {
-    const auto line = nlohmann::json::parse(read_line());
-    return line.at("address").get<std::string>();
+  explicit StudioDoor(std::string printed = "") : address(std::move(printed)) {
+    if (address.empty()) return;
+    const std::size_t ip_at = std::string("http://").size(), colon = address.find(':', ip_at),
+                      slash = address.find('/', colon);
+    ip = address.substr(ip_at, colon - ip_at);
+    port = std::stoi(address.substr(colon + 1, slash - colon - 1));
+    host = address.substr(ip_at, slash - ip_at);
   }
 
   /// Takes the cookie for the address's token.
@@ -96,7 +71,7 @@ class StudioUnderTest {
     sockaddr_in to{};
     to.sin_family = AF_INET;
     to.sin_port = htons(static_cast<std::uint16_t>(port));
-    to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    ::inet_pton(AF_INET, ip.c_str(), &to.sin_addr);
     if (::connect(fd, reinterpret_cast<const sockaddr*>(&to), sizeof to) != 0) {
       ::close(fd);
       throw std::runtime_error("the studio does not listen");
@@ -128,6 +103,43 @@ class StudioUnderTest {
     if (end != std::string::npos) reply.body = text.substr(end + 4);
     if (reply.head.starts_with("HTTP/1.1 ")) reply.status = std::stoi(reply.head.substr(9, 3));
     return reply;
+  }
+};
+
+class StudioUnderTest : public StudioDoor {
+ public:
+  /// Starts `burin --json studio FOLDER --no-browser ...` and reads the addresses that it prints.
+  explicit StudioUnderTest(const std::filesystem::path& folder, const std::vector<std::string>& more = {}) {
+    int out[2];
+    if (::pipe2(out, O_CLOEXEC) != 0) throw std::runtime_error("pipe");
+    std::vector<std::string> words{places::program(), "--json", "studio", folder.string(), "--no-browser"};
+    words.insert(words.end(), more.begin(), more.end());
+    std::vector<char*> argv;
+    for (std::string& word : words) argv.push_back(word.data());
+    argv.push_back(nullptr);
+    process_ = ::fork();
+    if (process_ == 0) {
+      ::dup2(out[1], 1);
+      const int nothing = ::open("/dev/null", O_RDWR);
+      ::dup2(nothing, 0);
+      ::dup2(nothing, 2);
+      ::execv(argv[0], argv.data());
+      ::_exit(127);
+    }
+    ::close(out[1]);
+    out_ = out[0];
+    static_cast<StudioDoor&>(*this) = StudioDoor(next_address());
+  }
+  ~StudioUnderTest() {
+    if (process_ > 0) end(SIGKILL);
+    ::close(out_);
+  }
+  StudioUnderTest(const StudioUnderTest&) = delete;
+  StudioUnderTest& operator=(const StudioUnderTest&) = delete;
+
+  std::string next_address() {
+    const auto line = nlohmann::json::parse(read_line());
+    return line.at("address").get<std::string>();
   }
 
   /// Waits until the running command has ended, and returns the last state.
@@ -171,9 +183,6 @@ class StudioUnderTest {
     process_ = -1;
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
   }
-
-  std::string address, host, cookie;
-  int port = 0;
 
  private:
   std::string read_line() {
