@@ -26,6 +26,8 @@ function curve(points) {
   return [el("h2", {}, t("quality")), svg, said];
 }
 
+const figure = (board, view, key, words) => el("figure", {}, el("img", {class: "shot", src: fileUrl(`${board.name}/design/${view[key]}`, board.report.stamp), alt: `${view.view}, ${words}`}), el("figcaption", {}, words));
+
 export function showDesign(root, state, go) {
   const board = newestBoard(state), running = state.work?.running && state.work.action === "loop", busy = state.work?.running || state.at_work;
   const ready = board?.files.some((file) => file.name === "board.gcode"), report = board?.report;
@@ -46,8 +48,9 @@ export function showDesign(root, state, go) {
     next.src = url;
   } else if (report?.views && !running) {
     fill(left, "report" + JSON.stringify(report.views), () => [el("ul", {class: "cards"}, report.views.map((view) => el("li", {class: "card"},
-      el("div", {class: "pair"}, [["preview", "asDesigned"], ["target", "asWanted"]].map(([key, words]) => el("figure", {}, el("img", {src: fileUrl(`${board.name}/design/${view[key]}`, board.live || report.scratches), alt: `${view.view}, ${t(words)}`}), el("figcaption", {}, t(words))))),
-      el("h3", {}, view.view), el("div", {class: "value"}, t("db", {v: number(view.eye_psnr_db ?? view.psnr_db)}))))),
+      el("div", {class: "pair"}, [["preview", "asDesigned"], ["target", "asWanted"]].map(([key, words]) => figure(board, view, key, t(words)))),
+      el("h3", {}, view.view), el("div", {class: "value"}, t("db", {v: number(view.eye_psnr_db ?? view.psnr_db)})),
+      view.achievable ? el("details", {}, el("summary", {class: "small"}, t("asPossible")), figure(board, view, "achievable", t("db", {v: number(view.achievable_psnr_db ?? 0)}))) : null))),
       el("p", {class: "soft"}, t("scratchesLine", {n: report.scratches, m: number((report.length_mm?.total || 0) / 1000)}))]);
   } else if (!running && state.project.files?.includes("preview.png")) {
     fill(left, "first", () => [el("img", {class: "shot", src: fileUrl("preview.png"), alt: t("firstLookAlt")}), el("p", {class: "soft small"}, t("firstLook"))]);
@@ -63,8 +66,13 @@ export function showDesign(root, state, go) {
       ready || interrupted ? el("div", {class: "row"}, el("button", {id: "anew", onclick: () => start({force: "design"})}, t("designAgain"))) : null);
   });
   fill(part(right, "curve"), JSON.stringify(points || []), () => points?.length > 1 ? el("section", {class: "panel"}, curve(points)) : []);
-  const hand = state.project.files?.includes("view.html");
-  fill(part(root, "hand"), "hand" + hand + Boolean(busy) + Boolean(board), () => !board ? [] : hand
-    ? [el("h2", {}, t("inHand")), el("iframe", {src: fileUrl("view.html", board.live || 1), title: t("inHand"), sandbox: "allow-scripts"})]
+  const first = (state.project.boards || [])[0], compares = first && first !== board && first.report?.views && report?.views && !running;
+  fill(part(root, "compare"), compares ? JSON.stringify([first.report.views, report.views]) : "", () => compares ? el("details", {}, el("summary", {}, t("compare")),
+    el("ul", {class: "cards"}, report.views.map((view) => [first.report.views.find((one) => one.view === view.view), view]).filter(([old]) => old).map(([old, view]) => el("li", {class: "card"},
+      el("div", {class: "pair"}, figure(first, old, "preview", `${t("boardNumber", {n: 1})}: ${t("db", {v: number(old.eye_psnr_db ?? old.psnr_db)})}`), figure(board, view, "preview", `${t("boardNumber", {n: state.project.boards.length})}: ${t("db", {v: number(view.eye_psnr_db ?? view.psnr_db)})}`)),
+      el("h3", {}, view.view))))) : []);
+  const viewer = state.project.viewer, isNew = report && viewer > report.stamp;  // not of a former design
+  fill(part(root, "hand"), "hand" + isNew + viewer + Boolean(busy) + Boolean(board), () => !board ? [] : isNew
+    ? [el("h2", {}, t("inHand")), el("iframe", {src: fileUrl("view.html", viewer), title: t("inHand"), sandbox: "allow-scripts"})]
     : el("button", {disabled: Boolean(busy), onclick: () => send("/api/do", {action: "view"})}, t("inHand")));
 }

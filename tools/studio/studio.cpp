@@ -49,6 +49,13 @@ std::string stamp_of(const fs::path& file) {
   return fmt::format("{}:{}:{}\n", file.string(), time.time_since_epoch().count(), size);
 }
 
+// When a file was written, ms, to compare it with others; 0 if it is missing.
+std::int64_t written_at_ms(const fs::path& file) {
+  std::error_code error;
+  const auto time = fs::last_write_time(file, error);
+  return error ? 0 : std::chrono::duration_cast<std::chrono::milliseconds>(time.time_since_epoch()).count();
+}
+
 std::vector<fs::path> entries_of(const fs::path& folder) {
   std::vector<fs::path> found;
   std::error_code error;
@@ -89,12 +96,13 @@ Json round_json(const Project& project, int number) {
   std::error_code ignored;
   Json json{{"name", folder.filename().string()}, {"measured", number <= project.measured()}};
   json["report"] = shown_of_report(json_or_null(folder / "design/design-report.json"));
+  if (json["report"].is_object())  // for addresses of its pictures, which change with it
+    json["report"]["stamp"] = written_at_ms(folder / "design/design-report.json");
   json["files"] = Json::array();
   for (const fs::path& file : entries_of(folder))
     if (fs::is_regular_file(file, ignored))
       json["files"].push_back({{"name", file.filename().string()}, {"bytes", fs::file_size(file, ignored)}});
-  const auto live = fs::last_write_time(folder / "design/live.png", ignored);
-  json["live"] = ignored ? 0 : live.time_since_epoch().count();
+  json["live"] = written_at_ms(folder / "design/live.png");
   json["photos"] = Json::array();
   for (const fs::path& entry : entries_of(folder / "photos")) {
     if (!fs::is_directory(entry, ignored)) {
@@ -113,9 +121,11 @@ void add_option(const Json& wish, const std::string& key, std::vector<std::strin
 
 std::vector<std::string> loop_command(const Json& wish, const std::string& folder) {
   std::vector<std::string> command{"loop", folder};
-  for (const char* key :
-       {"count", "time", "carve-time", "pixels", "iterations", "travel", "force", "allow-undetermined"})
+  for (const char* key : {"count", "time", "carve-time", "pixels", "iterations", "travel", "force"})
     add_option(wish, key, command);
+  const char* const allowed = "allow-undetermined";
+  if (wish.contains(allowed) && wish[allowed].is_array())
+    for (const Json& name : wish[allowed]) add_option({{allowed, name}}, allowed, command);
   for (const char* flag : {"allow-stale", "another", "carve-curve"})
     if (wish.contains(flag) && wish[flag].is_boolean() && wish[flag].get<bool>())
       command.push_back(std::string("--") + flag);
@@ -250,6 +260,7 @@ Json Studio::project_json() const {
   for (const fs::path& file : entries_of(folder_))
     if (fs::is_regular_file(file, ignored)) json["files"].push_back(file.filename().string());
   if (fs::exists(folder_ / "coupon/coupon.gcode", ignored)) json["files"].push_back("coupon/coupon.gcode");
+  json["viewer"] = written_at_ms(folder_ / "view.html");
   const Project project{folder_};
   json["boards"] = Json::array();
   for (int round = 1; round <= project.rounds(); ++round) json["boards"].push_back(round_json(project, round));

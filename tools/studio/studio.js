@@ -69,17 +69,19 @@ function showQuestion() {
   const interrupted = stages.some((stage) => stage.condition === "interrupted");  // Design's main button answers it
   const asking = stages.filter((stage) => stage.asks), result = state.work?.running ? null : state.work?.result;
   const errors = result && result.exit_code !== 0 ? result.diagnostics.filter((one) => one.severity === "error" && one.code !== "stopped" && !(one.code === "question" && interrupted)) : [];
+  const open = state.work?.events.findLast((event) => event.event === "undetermined")?.parameters || [];  // of a measurement
   const box = part(main, "question");
   if (main.firstChild !== box) main.prepend(box);
   const shown = !state.work?.running && !state.at_work && state.project.made && (asking.length || errors.length) || (!state.project.made && errors.length);
   fill(box, shown ? JSON.stringify([errors, asking.map((s) => [s.stage, s.words])]) : "", () => {
     if (!shown) return [];
     const answer = (wish) => async () => { if (await send("/api/do", {action: "loop", ...wish})) go("design"); };
-    return el("section", {class: "panel question"}, el("h2", {}, t(asking.length ? "question" : "failed")),
+    return el("section", {class: "panel question"}, el("h2", {}, t(asking.length || open.length ? "question" : "failed")),
       errors.length ? findings(errors.map((one) => (asking.length ? {...one, remedy: ""} : one))) : findings(asking.map((stage) => ({severity: "warning", message: stage.stage + ": " + stage.words}))),
       asking.length ? el("div", {class: "row"},
         asking.slice(0, 1).map((stage) => el("button", {onclick: answer({force: stage.stage})}, t("again", {stage: t("stage_" + stage.stage.split("/").at(-1))}))),
-        el("button", {onclick: answer({"allow-stale": true})}, t("keep"))) : null);
+        el("button", {onclick: answer({"allow-stale": true})}, t("keep"))) : null,
+      open.length && errors.length ? el("div", {class: "row"}, el("button", {onclick: answer({"allow-undetermined": open})}, t("without", {names: open.join(", ")}))) : null);
   });
 }
 

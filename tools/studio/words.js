@@ -4,7 +4,7 @@ export const words = {
     language: "Language", skip: "Skip to the place", close: "Close", gone: "The studio does not answer. Your work is kept; start it again in the terminal.",
     sending: "Sending {name} …", notSent: "{name} was not sent: the connection dropped.", stop: "Stop and keep", stopping: "Stopping …", undo: "Undo",
     more: "More settings", otherWork: "At work in a terminal: {work}", failed: "This did not work", question: "Your decision is needed",
-    again: "Make it anew: {stage}", keep: "Keep it as it is", done: "Done: {action}", help: "Help",
+    again: "Make it anew: {stage}", keep: "Keep it as it is", without: "Go on without knowing {names}", done: "Done: {action}", help: "Help",
     steps: "Steps", pictures: "Pictures", place: "Place", design: "Design", carve: "Carve", look: "Look",
 
     picturesLead: "Which pictures shall the metal show?", picturesMore: "One to nine, each for one place to stand. From left to right, as people will walk.",
@@ -28,9 +28,9 @@ export const words = {
     designLead: "Let Burin search the scratches.", designRuns: "Burin searches the scratches.", designStopped: "The search was stopped.", keepIt: "Keep it and go on", designMore: "It starts at once and shows what the board would show. You may stop at any time and keep what it has.",
     start: "Design the board", designAgain: "Design anew", goOn: "Go on", howLong: "Time for the search", noLimit: "until it is done", minute: "about a minute", tenMinutes: "about ten minutes",
     hour: "about an hour", count: "Scratches", carveTime: "Carving takes at most", travel: "Machine reaches, mm", pixels: "Pixels", iterations: "Iterations",
-    toCarve: "Go on to carving", asDesigned: "board", asWanted: "picture", db: "{v} dB", quality: "Quality over carving time", hours: "hours", choosePoint: "At most {h} h: {db} dB",
+    toCarve: "Go on to carving", asDesigned: "board", asWanted: "picture", asPossible: "most that this metal can show", db: "{v} dB", quality: "Quality over carving time", hours: "hours", choosePoint: "At most {h} h: {db} dB",
     chosen: "Shorter carving loses quality. Choose a point, then design anew.", inHand: "See it in the hand", viewing: "The viewer is being made …", searching: "The board appears here while it is searched.",
-    designReady: "The design is ready.", readyMore: "The figures say how near each view comes to its picture: 20 dB and more can be recognized well.", scratchesLine: "{n} scratches, {m} m of groove", compare: "First board and newest board",
+    designReady: "The design is ready.", readyMore: "The figures say how near each view comes to its picture: 20 dB and more can be recognized well.", scratchesLine: "{n} scratches, {m} m of groove", compare: "First board beside the newest", boardNumber: "board {n}",
 
     carveLead: "Read the check, then carve.", carveNone: "There is no file for the machine yet.", carveMore: "Red lines come first. The G-code was replayed before it was written.",
     download: "Download the G-code", files: "Files", frame: "outline in the air, to check work zero", gcode: "for the machine", sentFile: "what is sent, in carving order", drawing: "drawing of the tool's way",
@@ -52,7 +52,7 @@ export const words = {
     language: "Sprache", skip: "Zum Inhalt", close: "Schließen", gone: "Das Studio antwortet nicht. Ihre Arbeit ist gesichert; starten Sie es im Terminal neu.",
     sending: "{name} wird gesendet …", notSent: "{name} wurde nicht gesendet: Die Verbindung brach ab.", stop: "Anhalten und behalten", stopping: "Hält an …", undo: "Rückgängig",
     more: "Weitere Einstellungen", otherWork: "Arbeitet in einem Terminal: {work}", failed: "Das ging nicht", question: "Ihre Entscheidung ist nötig",
-    again: "Neu machen: {stage}", keep: "So lassen", done: "Fertig: {action}", help: "Hilfe",
+    again: "Neu machen: {stage}", keep: "So lassen", without: "Weiter, ohne {names} zu kennen", done: "Fertig: {action}", help: "Hilfe",
     steps: "Schritte", pictures: "Bilder", place: "Ort", design: "Entwurf", carve: "Ritzen", look: "Ansehen",
 
     picturesLead: "Welche Bilder soll das Metall zeigen?", picturesMore: "Eins bis neun, jedes für einen Standort. Von links nach rechts, wie man vorbeigeht.",
@@ -76,9 +76,9 @@ export const words = {
     designLead: "Lassen Sie Burin die Ritzen suchen.", designRuns: "Burin sucht die Ritzen.", designStopped: "Die Suche wurde angehalten.", keepIt: "Behalten und weiter", designMore: "Es beginnt sofort und zeigt, was die Tafel zeigen würde. Sie können jederzeit anhalten und das Erreichte behalten.",
     start: "Tafel entwerfen", designAgain: "Neu entwerfen", goOn: "Weiter", howLong: "Zeit für die Suche", noLimit: "bis sie fertig ist", minute: "etwa eine Minute", tenMinutes: "etwa zehn Minuten",
     hour: "etwa eine Stunde", count: "Ritzen", carveTime: "Ritzen dauert höchstens", travel: "Reichweite der Maschine, mm", pixels: "Pixel", iterations: "Schritte",
-    toCarve: "Weiter zum Ritzen", asDesigned: "Tafel", asWanted: "Bild", db: "{v} dB", quality: "Güte über der Ritzdauer", hours: "Stunden", choosePoint: "Höchstens {h} h: {db} dB",
+    toCarve: "Weiter zum Ritzen", asDesigned: "Tafel", asWanted: "Bild", asPossible: "das Meiste, was dieses Metall zeigen kann", db: "{v} dB", quality: "Güte über der Ritzdauer", hours: "Stunden", choosePoint: "Höchstens {h} h: {db} dB",
     chosen: "Kürzeres Ritzen kostet Güte. Wählen Sie einen Punkt, dann entwerfen Sie neu.", inHand: "In der Hand ansehen", viewing: "Die Ansicht wird gemacht …", searching: "Hier erscheint die Tafel, während sie gesucht wird.",
-    designReady: "Der Entwurf ist fertig.", readyMore: "Die Zahlen sagen, wie nahe jede Ansicht ihrem Bild kommt: Ab 20 dB ist sie gut zu erkennen.", scratchesLine: "{n} Ritzen, {m} m Rille", compare: "Erste und neueste Tafel",
+    designReady: "Der Entwurf ist fertig.", readyMore: "Die Zahlen sagen, wie nahe jede Ansicht ihrem Bild kommt: Ab 20 dB ist sie gut zu erkennen.", scratchesLine: "{n} Ritzen, {m} m Rille", compare: "Erste Tafel neben der neuesten", boardNumber: "Tafel {n}",
 
     carveLead: "Lesen Sie die Prüfung, dann ritzen Sie.", carveNone: "Es gibt noch keine Datei für die Maschine.", carveMore: "Rote Zeilen zuerst. Der G-Code wurde vor dem Schreiben nachgespielt.",
     download: "G-Code herunterladen", files: "Dateien", frame: "Umriss in der Luft, zum Prüfen des Nullpunkts", gcode: "für die Maschine", sentFile: "das Gesendete, in Ritzfolge", drawing: "Zeichnung des Werkzeugwegs",
