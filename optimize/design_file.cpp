@@ -78,6 +78,13 @@ DesignView read_view(JsonObject& json, const std::filesystem::path& folder) {
   v.weight = json.positive("weight", 1);
   v.color = json.boolean("color", false);
   if (json.has("white")) v.white = read_white(json, v.color);
+  if (json.has("exposure")) {
+    v.exposure = json.positive("exposure");
+    v.target.may_be_even = true;
+    if (v.white.kind == White::Kind::each)
+      json.fail_field("exposure", "stands beside \"white\": \"each\", which gives each channel its own",
+                      "leave one of both out");
+  }
   json.finish();
   return v;
 }
@@ -154,6 +161,7 @@ void write_design(const DesignSpec& spec, const std::filesystem::path& file) {
     if (v.color) view["color"] = true;
     if (v.color && v.white.kind == White::Kind::each) view["white"] = "each";
     if (v.color && v.white.kind == White::Kind::light) view["white"] = to_json(v.white.rgb);
+    if (v.exposure) view["exposure"] = *v.exposure;
     json["views"].push_back(view);
   }
   write_json(json, file);

@@ -12,6 +12,7 @@
 //   "lights"   ["sun", "room"] instead of "light", if several lights shine at once
 //   "color"    true: the picture in color, by lights of different colors at different places
 //   "white"    of a picture in color, the white reference: "paper" (default), "each" or a light [r, g, b]
+//   "exposure" factor from radiance to light, 1 at white: fixed instead of chosen by the design
 #pragma once
 
 #include <Eigen/Core>
@@ -49,6 +50,7 @@ struct TargetSpec {
   std::optional<std::array<double, 2>> levels;  ///< gamma-encoded values that become black and white
   std::filesystem::path mask;  ///< picture with white in the valid pixels and black elsewhere; empty: all valid
   Image mask_image{};          ///< the mask itself, if it has pixels; as `image`
+  bool may_be_even = false;    ///< it may be of one tone: a part of a larger picture, at a fixed exposure
 };
 
 /// The white reference of a picture in color, for an eye or a camera.
@@ -70,6 +72,8 @@ struct DesignView {
   /// The target is shown in color: each scratch reflects the color of one of the lights. Else it is shown as luminance.
   bool color = false;
   White white{};
+  /// Factor from radiance to light, 1 at white. Boards that are seen together have one. Nothing: the design chooses it.
+  std::optional<double> exposure{};
 };
 
 /// A requested design (`design.json`).

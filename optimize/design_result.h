@@ -32,10 +32,10 @@ struct DesignedView {
   std::string view, light;
   double rotation_deg = 0;  ///< counter-clockwise, with "viewer" resolved
   Image target;
-  Image start, shown;            ///< at exposure_start and best_exposure
+  Image start, shown;            ///< at exposure_start and best_exposure, or at the view's fixed exposure
   Image achievable;              ///< the target within the plain face's contrast
   double exposure = 0;           ///< as optimized: picture = (exposure * radiance)^(1 / 2.2)
-  double best_exposure = 0;      ///< the scalar with which `shown` is closest to the target
+  double best_exposure = 0;      ///< the scalar with which `shown` would be closest to the target
   double psnr_db = 0, ssim = 0;  ///< of `shown`
   double start_psnr_db = 0, start_ssim = 0;
   double eye_psnr_db = 0;         ///< the same at DesignResult::eye_px pixels: the figure of merit of the design

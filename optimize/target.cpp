@@ -174,13 +174,13 @@ std::vector<Target> laid_targets(const std::vector<Image>& channels, const Targe
   }
   mean /= static_cast<double>(target.picture.data.size() * all.size());
   bright /= static_cast<double>(target.picture.data.size() * all.size());
-  if (most < 0.02F)
+  if (most < 0.02F && !spec.may_be_even)
     fail(where, "is of one tone on the carve area, so there is nothing to show",
          "choose another picture, crop or \"levels\"");
   // White letters on black are few and show best of all; a dark photo has nothing bright.
-  if (mean < kDark && bright < kHardlyAny)
+  if (mean < kDark && bright < kHardlyAny && !spec.may_be_even)
     warn("is nearly black", "the plain face will outshine it (\"levels\" can lift it)");
-  if (mean > kWhite)
+  if (mean > kWhite && !spec.may_be_even)
     warn("is nearly white: almost all of the board is to shine, and what is dark in it hardly shows",
          "what is to be seen should be lighter than its ground: invert the picture, or choose another");
   if (!spec.mask.empty() || spec.mask_image.width > 0) {

@@ -85,6 +85,7 @@ void DesignRun::iterate() {
     if (is_time_to_drop()) drop_weak();
     keep_to_part_of_budget();
     if (options_.exposure_rate > 0) momenta_.exposure.step(log_exposure_, d_log_exposure_, options_.exposure_rate);
+    hold_exposures(views_, log_exposure_);
     move_shared();
     if (time_to_end()) result_.stopped_early = true;
   }

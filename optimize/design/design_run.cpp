@@ -326,11 +326,12 @@ void DesignRun::expose() {
     given[v.exposure_group] += mean;
   }
   for (const WorkView& v : views_)
-    if (!(wanted[v.exposure_group] > 0))
+    if (!(wanted[v.exposure_group] > 0) && !v.spec.exposure)
       fail("view " + v.spec.view, "is to show a picture that is black all over, which no exposure fits",
            "give one with something bright in it");
   const double start = starts_at_random() ? options_.start_exposure : 1;
   for (std::size_t g = 0; g < log_exposure_.size(); ++g) log_exposure_[g] = std::log(start * wanted[g] / given[g]);
+  hold_exposures(views_, log_exposure_);
   if (!starts_at_random()) log_exposure_ = fitting_exposures(views_, log_exposure_);
   show_start();
 }
@@ -444,7 +445,8 @@ void DesignRun::measure_picture(std::span<const WorkView> channels, DesignedView
   }
   out.target = target_of(channels);
   const std::vector<double> exposures = best_exposures(channels, log_exposure_);
-  out.best_exposure = std::accumulate(exposures.begin(), exposures.end(), 0.0) / static_cast<double>(exposures.size());
+  const std::vector<double> free = free_exposures(channels, log_exposure_);
+  out.best_exposure = std::accumulate(free.begin(), free.end(), 0.0) / static_cast<double>(free.size());
   out.shown = shown_of(channels, exposures);
   out.psnr_db = color_psnr_db(out.shown, out.target, v.target.mask);
   out.ssim = color_ssim(out.shown, out.target, v.target.mask);
@@ -461,7 +463,7 @@ void DesignRun::measure_picture(std::span<const WorkView> channels, DesignedView
   if (channels.size() == 1) return;
   DesignedColor color{color_quality(out.shown, out.target, v.target.mask), {}};
   for (std::size_t c = 0; c < 3; ++c)
-    color.white_gain[c] = channels[c].gains[static_cast<Eigen::Index>(c)] * exposures[c] / out.best_exposure;
+    color.white_gain[c] = channels[c].gains[static_cast<Eigen::Index>(c)] * free[c] / out.best_exposure;
   out.color = color;
 }
 

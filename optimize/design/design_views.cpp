@@ -415,6 +415,10 @@ std::vector<WorkView> lay_views(const DesignSpec& spec, const Board& board, cons
           group +=
               std::string(" in ") + kChannelNames[static_cast<std::size_t>(exposed_by[k][static_cast<std::size_t>(c)])];
         const int index = groups.emplace(group, static_cast<int>(groups.size())).first->second;
+        for (const WorkView& other : views)
+          if (other.exposure_group == index && other.spec.exposure != v.exposure)
+            fail("view " + v.view, "has another exposure than view " + other.spec.view + " under the same light",
+                 "give both one \"exposure\", or each view its own (--exposure-of view)");
         const Target& target = laid[k].targets[static_cast<std::size_t>(c)];
         const LightPart part{v.color ? c : -1, laid[k].gains[c], ""};
         WorkView view{

@@ -121,6 +121,10 @@ std::vector<StrokeView> stroke_views(const std::vector<WorkView>& views, const s
 /// Index of the spec's view for each of them.
 std::vector<std::size_t> views_served(const std::vector<WorkView>& views);
 
+/// Sets the exposures of groups whose views have a fixed one (DesignView::exposure). The three functions below return
+/// these as they are.
+void hold_exposures(const std::vector<WorkView>& views, std::vector<double>& log_exposure);
+
 /// The exposure of each group whose pictures, as last rendered, are closest to their targets (mean over the group's
 /// views).
 std::vector<double> fitting_exposures(const std::vector<WorkView>& views, const std::vector<double>& log_exposure);
@@ -144,6 +148,9 @@ Image target_of(std::span<const WorkView> channels);
 /// The exposures at which a view's channels are closest to the original picture, as last rendered: one for all, or one
 /// each (White::Kind::each).
 std::vector<double> best_exposures(std::span<const WorkView> channels, const std::vector<double>& log_exposure);
+
+/// best_exposures() as if the view had no fixed exposure.
+std::vector<double> free_exposures(std::span<const WorkView> channels, const std::vector<double>& log_exposure);
 
 /// Sets every view's balance for the search: (its weighted squared error, as last rendered, over the views' geometric
 /// mean) ^ exponent, at most 8 and at least 1/8. Scratches then go to the place at which the sum of errors ^ (1 +

@@ -61,6 +61,11 @@ Image target_of(std::span<const WorkView> channels) {
 }
 
 std::vector<double> best_exposures(std::span<const WorkView> channels, const std::vector<double>& log_exposure) {
+  if (const auto& held = channels[0].spec.exposure) return std::vector<double>(channels.size(), *held);
+  return free_exposures(channels, log_exposure);
+}
+
+std::vector<double> free_exposures(std::span<const WorkView> channels, const std::vector<double>& log_exposure) {
   std::vector<double> out;
   if (channels[0].spec.white.kind == White::Kind::each && channels.size() > 1) {
     for (const WorkView& v : channels)
@@ -74,9 +79,15 @@ std::vector<double> best_exposures(std::span<const WorkView> channels, const std
   return out;
 }
 
+void hold_exposures(const std::vector<WorkView>& views, std::vector<double>& log_exposure) {
+  for (const WorkView& v : views)
+    if (v.spec.exposure) log_exposure[v.exposure_group] = std::log(*v.spec.exposure);
+}
+
 std::vector<double> fitting_exposures(const std::vector<WorkView>& views, const std::vector<double>& log_exposure) {
   double together = 0;  // for the consecutive channels that share an exposure
   return means_of_groups(views, log_exposure.size(), [&](const WorkView& v) {
+    if (v.spec.exposure) return std::log(*v.spec.exposure);
     const double guess = std::exp(log_exposure[v.exposure_group]);
     if (v.channels == 1 || v.spec.white.kind == White::Kind::each)
       return std::log(fitting_exposure({&exposing(v), 1}, guess));
@@ -92,6 +103,7 @@ std::vector<double> starting_exposures(const std::vector<WorkView>& views, std::
     return std::log(most * v.pitch_mm);
   });
   for (double& c : crossing) c = std::log(start_light) - c;
+  hold_exposures(views, crossing);
   return crossing;
 }
 
