@@ -97,8 +97,8 @@ std::unique_ptr<CLI::App> make_app() {
     const auto all = burin->get_subcommands({});
     for (std::size_t i = before; i < all.size(); ++i) all[i]->group(name);
   };
-  group("Start a project and follow it",
-        {add_new_command, add_loop_command, add_studio_command, add_status_command, add_trace_command});
+  group("Start a project and follow it", {add_new_command, add_loop_command, add_studio_command, add_status_command,
+                                          add_trace_command, add_wall_command});
   group("Design", {add_design_command, add_render_command, add_view_command});
   group("Carve", {add_check_command, add_coupon_command, add_toolpath_command, add_probe_command});
   group("Photograph", {add_plan_command, add_print_command, add_sheet_command, add_watch_command, add_capture_command});

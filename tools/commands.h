@@ -71,6 +71,7 @@ void add_status_command(CLI::App& burin);
 void add_studio_command(CLI::App& burin);
 void add_trace_command(CLI::App& burin);
 void add_check_command(CLI::App& burin);
+void add_wall_command(CLI::App& burin);
 
 /// Adds --f-number: the aperture of photos without one in their EXIF data. 0: not given.
 void add_f_number_option(CLI::App& command, double& f_number);

@@ -17,6 +17,7 @@
 #include "tools/loop/options.h"
 #include "tools/loop/record.h"
 #include "tools/round_names.h"
+#include "tools/wall/wall_file.h"
 
 namespace burin {
 namespace {
@@ -79,7 +80,7 @@ TEST_F(FileFormats, PageHasAnExampleOfEachFile) {
   EXPECT_THAT(kinds_, ::testing::UnorderedElementsAre("burin/board", "csv", "burin/machine", "toml burin/machine",
                                                       "burin/session", "burin/bench", "burin/bench", "burin/design",
                                                       "burin/design", "toml burin/loop", "burin/made", "burin/heights",
-                                                      "burin/names", "burin/coupon"));
+                                                      "burin/names", "burin/coupon", "burin/wall"));
 }
 
 TEST_F(FileFormats, TablesSessionAndMachinesAreRead) {
@@ -94,6 +95,7 @@ TEST_F(FileFormats, TablesSessionAndMachinesAreRead) {
   EXPECT_EQ(read_heights(folder_ / "heights.json").columns, 3);
   EXPECT_EQ(read_loop_options(folder_.path()).design.at("tolerance").front(), "3");
   EXPECT_TRUE(read_record(folder_ / "made.json")->holds());
+  EXPECT_EQ(read_wall(folder_.path()).boards.back().machine, "grbl");
 }
 
 TEST_F(FileFormats, BenchInAPersonsWordsIsDesignedForAndRendered) {
