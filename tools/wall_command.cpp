@@ -81,7 +81,7 @@ Wall wall_in_words(const NewWallArguments& o) {
   if (o.border.empty())
     wall.tag_mm = tag_sizes(smallest).usual_mm;
   else
-    wall.border_mm = o.border == "0" || o.border == "0mm" ? 0 : length_in_words(o.border, "the border");
+    wall.border_mm = length_in_words(o.border, "the border");
 
   BenchWishes wanted;
   // Eyes and lamp are chosen as for one board of this size; boards with tags have limits that a wall has not.
@@ -149,7 +149,7 @@ void report_layout(const Wall& wall, const LaidWall& laid, Report& report) {
               wall.machine_hours > 0 ? fmt::format("{:g} machine hours to share", wall.machine_hours)
                                      : fmt::format("{} scratches to share", wall.scratches));
   if (wall.tag_mm > 0)
-    report.line("each board has a ring of tags of {:g} mm; --border 3mm carves up to the edges, without tags\n",
+    report.line("each board has a ring of tags of {:g} mm; --border 1mm carves up to the edges, without tags\n",
                 wall.tag_mm);
   if (!laid.blank.empty()) {
     std::string names;

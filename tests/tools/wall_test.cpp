@@ -276,6 +276,7 @@ TEST(Walls, BadInputIsNamed) {
   refused("\"r1c2\"", "\"../up\"", "cannot be its folder");
   refused("\"scratches\"", "\"scratch\"", "machine_hours");
   refused("\"border_mm\"", "\"tags_mm\"", "border_mm");
+  refused("\"border_mm\": 2.0", "\"border_mm\": 0.1", "run off the sheets");
 }
 
 }  // namespace

@@ -144,7 +144,10 @@ Wall read_wall(const fs::path& folder) {
   if (root.has("tag_mm")) wall.tag_mm = root.positive("tag_mm");
   if (root.has("border_mm")) {
     wall.border_mm = root.number("border_mm");
-    if (!(wall.border_mm >= 0)) root.fail_field("border_mm", "is below 0", "give 0 or more");
+    constexpr double kLeastBorder_mm = 0.5;  // burin check carve refuses grooves whose rims run off the sheet
+    if (!(wall.border_mm >= kLeastBorder_mm))
+      root.fail_field("border_mm", fmt::format("is {:g}, so that grooves would run off the sheets", wall.border_mm),
+                      "give 0.5 or more");
   }
   wall.depth_um = root.positive("depth_um", wall.depth_um);
   wall.face_alpha = root.positive("face_alpha", wall.face_alpha);
