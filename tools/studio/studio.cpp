@@ -53,7 +53,9 @@ std::string stamp_of(const fs::path& file) {
 std::int64_t written_at_ms(const fs::path& file) {
   std::error_code error;
   const auto time = fs::last_write_time(file, error);
-  return error ? 0 : std::chrono::duration_cast<std::chrono::milliseconds>(time.time_since_epoch()).count();
+  if (error) return 0;
+  const auto since_1970 = fs::file_time_type::clock::to_sys(time).time_since_epoch();
+  return std::chrono::duration_cast<std::chrono::milliseconds>(since_1970).count();
 }
 
 std::vector<fs::path> entries_of(const fs::path& folder) {
