@@ -38,6 +38,7 @@ export function showCarve(root, state, go) {
   const errors = (state.work?.events || []).filter((event) => event.event === "diagnostic" && event.severity === "error");
   fill(part(root, "errors"), JSON.stringify([errors, sealed]), () => [errors.length ? findings(errors) : null, sealed ? el("p", {class: "good"}, t("sealed")) : null]);
   const version = state.revision > 0 ? board.files.map((file) => file.bytes).join("-") : "";
+  fill(part(root, "check"), "check" + version, () => has(board, "carve-check.html") ? [el("h2", {}, t("check")), el("iframe", {src: fileUrl(board.name + "/carve-check.html", version), class: "short", title: t("check"), sandbox: "allow-scripts"})] : []);
   const halves = part(root, "halves", {class: "halves"});
   const project = state.project.files || [];
   fill(part(halves, "files"), JSON.stringify([board.files, project.filter((f) => /tags|sheet|coupon/.test(f)), busy]), () => {
@@ -57,6 +58,5 @@ export function showCarve(root, state, go) {
     showPath(box, fileUrl(board.name + "/sent.csv", version)).catch(() => box.replaceChildren(el("img", {class: "shot", src: fileUrl(board.name + "/board.svg"), alt: t("path")})));
     return el("section", {class: "panel"}, el("h2", {}, t("path")), box);
   });
-  fill(part(root, "check"), "check" + version, () => has(board, "carve-check.html") ? [el("h2", {}, t("check")), el("iframe", {src: fileUrl(board.name + "/carve-check.html", version), title: t("check"), sandbox: "allow-scripts"})] : []);
   fill(part(root, "next", {class: "row"}), "next", () => [el("button", {onclick: () => go("look")}, t("toLook"))]);
 }

@@ -30,7 +30,7 @@ export const words = {
     hour: "about an hour", count: "Scratches", carveTime: "Carving takes at most", travel: "Machine reaches, mm", pixels: "Pixels", iterations: "Iterations",
     toCarve: "Go on to carving", asDesigned: "board", asWanted: "picture", asPossible: "most that this metal can show", db: "{v} dB", quality: "Quality over carving time", hours: "hours", choosePoint: "At most {h} h: {db} dB",
     chosen: "Shorter carving loses quality. Choose a point, then design anew.", inHand: "See it in the hand", viewing: "The viewer is being made …", searching: "The board appears here while it is searched.",
-    designReady: "The design is ready.", readyMore: "The figures say how near each view comes to its picture: 20 dB and more can be recognized well.", scratchesLine: "{n} scratches, {m} m of groove", compare: "First board beside the newest", boardNumber: "board {n}",
+    designReady: "The design is ready.", readyMore: "The figures say how near each view comes to its picture. From about 20 dB on it can be recognized.", scratchesLine: "{n} scratches, {m} m of groove", compare: "First board beside the newest", boardNumber: "board {n}",
 
     carveLead: "Read the check, then carve.", carveNone: "There is no file for the machine yet.", carveMore: "Red lines come first. The G-code was replayed before it was written.",
     download: "Download the G-code", files: "Files", frame: "outline in the air, to check work zero", gcode: "for the machine", sentFile: "what is sent, in carving order", drawing: "drawing of the tool's way",
@@ -78,7 +78,7 @@ export const words = {
     hour: "etwa eine Stunde", count: "Ritzen", carveTime: "Ritzen dauert höchstens", travel: "Reichweite der Maschine, mm", pixels: "Pixel", iterations: "Schritte",
     toCarve: "Weiter zum Ritzen", asDesigned: "Tafel", asWanted: "Bild", asPossible: "das Meiste, was dieses Metall zeigen kann", db: "{v} dB", quality: "Güte über der Ritzdauer", hours: "Stunden", choosePoint: "Höchstens {h} h: {db} dB",
     chosen: "Kürzeres Ritzen kostet Güte. Wählen Sie einen Punkt, dann entwerfen Sie neu.", inHand: "In der Hand ansehen", viewing: "Die Ansicht wird gemacht …", searching: "Hier erscheint die Tafel, während sie gesucht wird.",
-    designReady: "Der Entwurf ist fertig.", readyMore: "Die Zahlen sagen, wie nahe jede Ansicht ihrem Bild kommt: Ab 20 dB ist sie gut zu erkennen.", scratchesLine: "{n} Ritzen, {m} m Rille", compare: "Erste Tafel neben der neuesten", boardNumber: "Tafel {n}",
+    designReady: "Der Entwurf ist fertig.", readyMore: "Die Zahlen sagen, wie nahe jede Ansicht ihrem Bild kommt. Ab etwa 20 dB ist sie zu erkennen.", scratchesLine: "{n} Ritzen, {m} m Rille", compare: "Erste Tafel neben der neuesten", boardNumber: "Tafel {n}",
 
     carveLead: "Lesen Sie die Prüfung, dann ritzen Sie.", carveNone: "Es gibt noch keine Datei für die Maschine.", carveMore: "Rote Zeilen zuerst. Der G-Code wurde vor dem Schreiben nachgespielt.",
     download: "G-Code herunterladen", files: "Dateien", frame: "Umriss in der Luft, zum Prüfen des Nullpunkts", gcode: "für die Maschine", sentFile: "das Gesendete, in Ritzfolge", drawing: "Zeichnung des Werkzeugwegs",
