@@ -27,9 +27,12 @@ export function el(tag, properties = {}, ...children) {
   const node = svg ? document.createElementNS("http://www.w3.org/2000/svg", tag) : document.createElement(tag);
   for (const [name, value] of Object.entries(properties)) {
     if (value === undefined || value === null || value === false) continue;
-    if (name.startsWith("on")) node.addEventListener(name.slice(2), value);
-    else if (["value", "checked", "disabled", "selected", "open", "multiple"].includes(name)) node[name] = value;
-    else node.setAttribute(name, value === true ? "" : value);
+    if (name.startsWith("on"))
+      node.addEventListener(name.slice(2), value);
+    else if (["value", "checked", "disabled", "selected", "open", "multiple"].includes(name))
+      node[name] = value;
+    else
+      node.setAttribute(name, value === true ? "" : value);
   }
   node.append(...children.flat().filter((child) => child !== null && child !== undefined && child !== false));
   return node;
@@ -54,7 +57,9 @@ async function answerOf(response) {
   }
   if (!response.ok) {
     const error = json.error || {};
-    throw new Refusal(error.what ? `${error.where ? error.where + " " : ""}${error.what}. ${error.remedy || ""}` : error.message || response.statusText);
+    throw new Refusal(
+        error.what ? `${error.where ? error.where + " " : ""}${error.what}. ${error.remedy || ""}` :
+                     error.message || response.statusText);
   }
   return json;
 }
@@ -108,8 +113,17 @@ export function announce(words) { document.getElementById("said").textContent = 
 
 /** A place to drop files, with its button for the keyboard. */
 export function dropZone(title, hint, accept, take, small = false) {
-  const input = el("input", {type: "file", multiple: true, accept, onchange: () => { take(input.files); input.value = ""; }});
-  const zone = el("label", {class: small ? "drop small-drop" : "drop"}, el("strong", {}, title), el("span", {class: "soft"}, hint), input);
+  const input = el("input", {
+    type: "file",
+    multiple: true,
+    accept,
+    onchange: () => {
+      take(input.files);
+      input.value = "";
+    }
+  });
+  const zone =
+      el("label", {class: small ? "drop small-drop" : "drop"}, el("strong", {}, title), el("span", {class: "soft"}, hint), input);
   for (const kind of ["dragover", "dragleave", "drop"])
     zone.addEventListener(kind, (event) => {
       event.preventDefault();
@@ -119,7 +133,8 @@ export function dropZone(title, hint, accept, take, small = false) {
   return zone;
 }
 
-export const number = (value, digits = 1) => Number(value).toLocaleString(language, {maximumFractionDigits: digits, minimumFractionDigits: digits});
+export const number = (value, digits = 1) =>
+    Number(value).toLocaleString(language, {maximumFractionDigits: digits, minimumFractionDigits: digits});
 
 /** Follows the state at `path`; asks nothing while the page is hidden. `extra()`: more of the query. */
 export function follow(path, extra, update) {
@@ -160,19 +175,37 @@ export function part(root, name, attributes = {}) {
 
 /** Sentence, main button and a softer line: the head of each place. */
 export function lead(root, key, sentence, button, more) {
-  fill(part(root, "lead", {class: "lead"}), key, () => [
-    el("h1", {}, sentence),
-    button && el(button.href ? "a" : "button", {class: "main button", id: "main", href: button.href, download: button.download, disabled: button.disabled, onclick: button.action}, button.words),
-    more && el("p", {class: "more"}, more)]);
+  fill(
+      part(root, "lead", {class: "lead"}), key,
+      () =>
+          [el("h1", {}, sentence),
+           button &&
+               el(button.href ? "a" : "button", {
+                 class: "main button",
+                 id: "main",
+                 href: button.href,
+                 download: button.download,
+                 disabled: button.disabled,
+                 onclick: button.action
+               },
+                  button.words),
+           more && el("p", {class: "more"}, more)]);
 }
 
-export const fileUrl = (path, version) => "/file/" + path.split("/").map(encodeURIComponent).join("/") + (version ? `?v=${version}` : "");
+export const fileUrl = (path, version) =>
+    "/file/" + path.split("/").map(encodeURIComponent).join("/") + (version ? `?v=${version}` : "");
 export const newestBoard = (state) => (state.project.boards || []).at(-1);
 export const has = (board, name) => Boolean(board && board.files.some((file) => file.name === name));
 
 /** Errors, then warnings, then notes, each with its remedy. */
 export function findings(list) {
   const order = {error: 0, warning: 1, note: 2};
-  return el("ul", {class: "findings"}, [...list].sort((a, b) => (order[a.severity] ?? 3) - (order[b.severity] ?? 3)).map((one) =>
-    el("li", {class: one.severity}, el("b", {}, (one.file ? one.file + ": " : "") + (one.message ?? one.what ?? "")), one.remedy ? el("span", {}, one.remedy) : null)));
+  return el(
+      "ul", {class: "findings"},
+      [...list]
+          .sort((a, b) => (order[a.severity] ?? 3) - (order[b.severity] ?? 3))
+          .map(
+              (one) => el(
+                  "li", {class: one.severity}, el("b", {}, (one.file ? one.file + ": " : "") + (one.message ?? one.what ?? "")),
+                  one.remedy ? el("span", {}, one.remedy) : null)));
 }
