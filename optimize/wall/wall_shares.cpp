@@ -19,10 +19,10 @@ struct Limits {
 };
 
 Limits limits_of_trials(const std::vector<PreviewTrial>& trials) {
-  Limits limits{trials.front().scratches / 4, trials.front().scratches * 2};
+  Limits limits{trials.front().scratches, trials.front().scratches};
   for (const PreviewTrial& t : trials) {
-    limits.least = std::max(1.0, std::min(limits.least, t.scratches / 4));
-    limits.most = std::max(limits.most, t.scratches * 2);
+    limits.least = std::min(limits.least, t.scratches);
+    limits.most = std::max(limits.most, t.scratches);
   }
   return limits;
 }
@@ -32,8 +32,7 @@ std::vector<double> counts_at(double price, const std::vector<ErrorCurve>& curve
                               const std::vector<double>& cost) {
   std::vector<double> counts;
   for (std::size_t b = 0; b < curves.size(); ++b)
-    counts.push_back(std::clamp(std::pow(curves[b].p * curves[b].a / (price * cost[b]), 1 / (curves[b].p + 1)),
-                                limits[b].least, limits[b].most));
+    counts.push_back(std::clamp(std::sqrt(curves[b].a / (price * cost[b])), limits[b].least, limits[b].most));
   return counts;
 }
 
@@ -77,23 +76,19 @@ std::vector<double> common_exposures(const std::vector<BoardPreview>& boards) {
   return out;
 }
 
-double ErrorCurve::at(double scratches) const { return a * std::pow(scratches, -p); }
-
 ErrorCurve error_curve(const std::vector<PreviewTrial>& trials) {
-  // A board cannot lose by more scratches; and no exponent above 2 has been seen, which is a line in one dimension.
-  constexpr double kLeast = 0.01, kMost = 2, kNoError = 1e-12;
   double x = 0, y = 0, xx = 0, xy = 0;
   const auto n = static_cast<double>(trials.size());
   for (const PreviewTrial& t : trials) {
-    x += std::log(t.scratches) / n;
-    y += std::log(std::max(t.error, kNoError)) / n;
+    x += 1 / t.scratches / n;
+    y += t.error / n;
   }
   for (const PreviewTrial& t : trials) {
-    xx += std::pow(std::log(t.scratches) - x, 2);
-    xy += (std::log(t.scratches) - x) * (std::log(std::max(t.error, kNoError)) - y);
+    xx += std::pow(1 / t.scratches - x, 2);
+    xy += (1 / t.scratches - x) * (t.error - y);
   }
-  const double p = std::clamp(xx > 0 ? -xy / xx : kLeast, kLeast, kMost);
-  return {std::exp(y + p * x), p};
+  const double a = xx > 0 ? std::max(0.0, xy / xx) : 0;
+  return {y - a * x, a};
 }
 
 std::vector<int> shared_scratches(const std::vector<BoardPreview>& boards, double total) {

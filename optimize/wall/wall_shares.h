@@ -4,8 +4,10 @@
 // Boards are seen together, so a view has one exposure for all of them. A preview of each board gives the exposure that
 // would suit it best, and how much its error grows beside it. The common exposure minimizes the sum of these errors.
 //
-// Previews with several numbers of scratches give a board's error as a power of the number, E = a n^-p. The wall's
-// error is least where one scratch more (or one second more on the machine) lowers each board's error alike.
+// Previews with several numbers of scratches give a board's error over the number, E = floor + a / n. The floor is what
+// scratches cannot mend, such as the plain face's light in a dark part. Strokes that each approximate their share of an
+// area leave an error in proportion to this share, hence 1 / n. The wall's error is least where one scratch more (or
+// one second more on the machine) lowers each board's error alike.
 #pragma once
 
 #include <vector>
@@ -35,16 +37,16 @@ struct BoardPreview {
 /// that is black on every board.
 std::vector<double> common_exposures(const std::vector<BoardPreview>& boards);
 
-/// Error of a board over its scratches: E = a n^-p, fitted to its trials by least squares of the logarithms.
+/// Error of a board over its scratches: E = floor + a / n, fitted to its trials by least squares; `a` is not negative.
 struct ErrorCurve {
-  double a = 0, p = 0;
-  double at(double scratches) const;
+  double floor = 0, a = 0;
+  double at(double scratches) const { return floor + a / scratches; }
 };
 ErrorCurve error_curve(const std::vector<PreviewTrial>& trials);
 
 /// Scratches of each board, whose sum is at most `total` and minimizes the sum of the boards' errors. Shares stay
-/// between a quarter of the fewest and twice the most of a board's trials, because the curve is unknown beyond. A sum
-/// of these limits beyond `total` gives the nearest limits.
+/// between the fewest and the most of a board's trials, because the curve is unknown beyond. A `total` beyond the sums
+/// of these limits gives the nearest limits.
 std::vector<int> shared_scratches(const std::vector<BoardPreview>& boards, double total);
 
 /// The same for `total_s` seconds of carving on all machines together.

@@ -56,20 +56,21 @@ TEST(WallShares, TheCommonExposureHasTheLeastError) {
   EXPECT_EQ(common_exposures({{{{0.0, 0.0}}, {}}}).front(), 0);
 }
 
-TEST(WallShares, TheCurvePassesThroughErrorsOfAPower) {
-  const ErrorCurve curve = error_curve({{500, 7 * std::pow(500, -0.8), 0}, {1000, 7 * std::pow(1000, -0.8), 0}});
-  EXPECT_NEAR(curve.p, 0.8, 1e-9);
-  EXPECT_NEAR(curve.at(2000), 7 * std::pow(2000, -0.8), 1e-9);
+TEST(WallShares, TheCurvePassesThroughErrorsWithAFloor) {
+  const ErrorCurve curve = error_curve({{500, 3 + 7.0 / 500, 0}, {1000, 3 + 7.0 / 1000, 0}});
+  EXPECT_NEAR(curve.floor, 3, 1e-9);
+  EXPECT_NEAR(curve.at(2000), 3 + 7.0 / 2000, 1e-9);
+  EXPECT_EQ(error_curve({{500, 1, 0}, {1000, 2, 0}}).a, 0);  // more scratches do not help
 }
 
-std::vector<PreviewTrial> trials(double a, double p, double seconds_each) {
+std::vector<PreviewTrial> trials(double floor, double a, double seconds_each) {
   std::vector<PreviewTrial> out;
-  for (const double n : {500.0, 1000.0, 2000.0}) out.push_back({n, a * std::pow(n, -p), seconds_each * n});
+  for (const double n : {500.0, 1000.0, 2000.0}) out.push_back({n, floor + a / n, seconds_each * n});
   return out;
 }
 
 TEST(WallShares, NoMoveOfScratchesLowersTheError) {
-  const std::vector<BoardPreview> boards{{{}, trials(50, 0.5, 3)}, {{}, trials(20, 0.6, 3)}, {{}, trials(90, 0.55, 3)}};
+  const std::vector<BoardPreview> boards{{{}, trials(5, 5000, 3)}, {{}, trials(20, 4000, 3)}, {{}, trials(9, 9000, 3)}};
   const std::vector<int> counts = shared_scratches(boards, 3000);
   const int sum = std::accumulate(counts.begin(), counts.end(), 0);
   EXPECT_LE(sum, 3000);
@@ -90,17 +91,17 @@ TEST(WallShares, NoMoveOfScratchesLowersTheError) {
 }
 
 TEST(WallShares, ABoardOnASlowMachineGetsFewerForTheSameHours) {
-  const std::vector<BoardPreview> boards{{{}, trials(50, 0.5, 2)}, {{}, trials(50, 0.5, 6)}};
+  const std::vector<BoardPreview> boards{{{}, trials(5, 5000, 2)}, {{}, trials(5, 5000, 6)}};
   const std::vector<int> counts = shared_hours(boards, 8000);
   EXPECT_GT(counts[0], 1.5 * counts[1]);
   EXPECT_NEAR(2 * counts[0] + 6 * counts[1], 8000, 10);
 }
 
 TEST(WallShares, SharesStayNearWhatWasTried) {
-  const std::vector<BoardPreview> boards{{{}, trials(1e6, 0.5, 3)}, {{}, trials(1e-6, 0.5, 3)}};
+  const std::vector<BoardPreview> boards{{{}, trials(5, 1e6, 3)}, {{}, trials(9, 0, 3)}};
   const std::vector<int> counts = shared_scratches(boards, 2000);
-  EXPECT_EQ(counts[1], 125);
-  EXPECT_NEAR(counts[0], 1875, 2);
+  EXPECT_EQ(counts[1], 500);
+  EXPECT_NEAR(counts[0], 1500, 2);
 }
 
 }  // namespace
