@@ -36,7 +36,7 @@ std::vector<double> counts_at(double price, const std::vector<ErrorCurve>& curve
   return counts;
 }
 
-std::vector<int> shared(const std::vector<BoardPreview>& boards, const std::vector<double>& cost, double total) {
+std::vector<int> shares_at(const std::vector<BoardPreview>& boards, const std::vector<double>& cost, double total) {
   std::vector<ErrorCurve> curves;
   std::vector<Limits> limits;
   for (const BoardPreview& board : boards) {
@@ -92,7 +92,7 @@ ErrorCurve error_curve(const std::vector<PreviewTrial>& trials) {
 }
 
 std::vector<int> shared_scratches(const std::vector<BoardPreview>& boards, double total) {
-  return shared(boards, std::vector<double>(boards.size(), 1.0), total);
+  return shares_at(boards, std::vector<double>(boards.size(), 1.0), total);
 }
 
 std::vector<int> shared_hours(const std::vector<BoardPreview>& boards, double total_s) {
@@ -101,7 +101,7 @@ std::vector<int> shared_hours(const std::vector<BoardPreview>& boards, double to
     const PreviewTrial& most = board.trials.back();
     cost.push_back(std::max(1e-6, most.carve_s / most.scratches));
   }
-  return shared(boards, cost, total_s);
+  return shares_at(boards, cost, total_s);
 }
 
 }  // namespace burin

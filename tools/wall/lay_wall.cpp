@@ -210,14 +210,14 @@ LaidWall lay_wall(const Wall& wall) {
       make_output_folder(targets);
       write_picture(part, targets / (file_name_of(v.name) + ".png"), 16);
     }
-    if (of_view < kDark)
+    if (of_view < kBlackTone)
       fail(v.picture.string(), "is black on all boards", "give a brighter picture, or place it otherwise (fit, keep)");
   }
   const double pitch_mm = pitch_of(wall);
   const auto settled = read_settled(wall.folder, laid.key);
   for (std::size_t b = 0; b < wall.boards.size(); ++b) {
     const std::string& name = wall.boards[b].name;
-    if (bright[b] < kDark) {
+    if (bright[b] < kBlackTone) {
       laid.blank.push_back(name);
       continue;
     }

@@ -44,9 +44,9 @@ void write_settled(const Wall& wall, const LaidWall& laid, const SettledWall& se
 /// stay as they are.
 void settle_design(const Wall& wall, std::size_t index, const SettledWall& settled);
 
-/// Largest value of a picture. Parts of pictures below `kDark` (sRGB-encoded) count as black.
+/// Largest value of a picture. Parts of pictures below `kBlackTone` (sRGB-encoded) count as black.
 float brightest(const Image& image);
-inline constexpr float kDark = 0.02F;
+inline constexpr float kBlackTone = 0.02F;
 
 /// Scratches of a board before the wall is settled: by its area, or by the hours.
 int preview_scratches(const Wall& wall, std::size_t index);

@@ -42,7 +42,7 @@ BoardPictures pictures_of_board(const Wall& wall, std::size_t index, std::size_t
   }
   if (!out.shown.data.empty()) return out;
   Image target = read_picture(wall.folder / on_wall.name / "targets" / (file_name_of(wall.views[view].name) + ".png"));
-  if (brightest(target) < kDark) {  // black, and without a preview
+  if (brightest(target) < kBlackTone) {  // black, and without a preview
     out.shown = out.target = Image(1, 1, 1);
     return out;
   }

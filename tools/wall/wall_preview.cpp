@@ -51,7 +51,7 @@ void make_preview(const Wall& wall, const LaidWall& laid, std::size_t index) {
   for (DesignView& v : spec.views) {
     v.exposure.reset();
     v.target.may_be_even = true;
-    if (brightest(read_picture(v.target.picture)) < kDark) black.push_back(v.view);
+    if (brightest(read_picture(v.target.picture)) < kBlackTone) black.push_back(v.view);
   }
   std::erase_if(spec.views, [&](const DesignView& v) { return std::count(black.begin(), black.end(), v.view) > 0; });
   const Board board = read_board(spec.board);
