@@ -14,6 +14,7 @@ namespace burin {
 /// width that does not run here.
 class SimdChoice {
  public:
+  /// Uses this width until destruction.
   explicit SimdChoice(SimdWidth width);
   ~SimdChoice();
   SimdChoice(const SimdChoice&) = delete;

@@ -66,6 +66,7 @@ struct TravelReading {
   bool seen = false;   ///< beyond chance, at 1 %
 };
 
+/// Depths and roughnesses that a coupon's photos determine.
 struct CouponReading {
   std::vector<CellReading> cells;  ///< in the coupon's order
   std::vector<FanReading> fans;    ///< in the coupon's order
@@ -76,6 +77,7 @@ struct CouponReading {
   std::vector<Finding> findings;
 };
 
+/// Options of read_coupon_photos().
 struct CouponReadOptions {
   double finest_pixel_mm = 0.2;  ///< photos are binned to pixels of at least this size on the coupon
 };

@@ -33,6 +33,7 @@ struct DesignFrame {
   std::optional<double> psnr_db{};
 };
 
+/// Options of a design.
 struct DesignOptions {
   /// Pixels of the grid along the carve area's longer side. 0: 512 for a random start, else those that eyes at the
   /// viewpoints resolve, or as many as strokes can fill (burin/optimize/design/picture_pixels.h).

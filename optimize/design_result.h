@@ -46,6 +46,7 @@ struct DesignedView {
   std::optional<DesignedColor> color;      ///< if the picture is in color
 };
 
+/// Loss and time of one iteration.
 struct DesignIteration {
   double loss = 0;
   std::vector<double> view_loss;
@@ -67,6 +68,7 @@ struct CarvingPoint {
   std::vector<double> psnr_db, ssim;  ///< one per view
 };
 
+/// A design: its scratches, predicted quality and diagnostics.
 struct DesignResult {
   /// After pruning. Width, depth or alpha columns exist if those were optimized. The carved ones are last and marked.
   Scratches scratches;

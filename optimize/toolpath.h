@@ -22,6 +22,7 @@ namespace burin {
 /// Whether a file has a name of G-code: .gcode, .nc, .ngc (LinuxCNC), .cnc (Snapmaker), .tap (Mach).
 bool has_gcode_name(const std::filesystem::path& file);
 
+/// Written files, their duration and diagnostics.
 struct ToolpathReport {
   std::vector<std::filesystem::path> files;  ///< in carving order; the frame, if requested, is last
   std::vector<double> file_duration_s;

@@ -40,6 +40,7 @@ struct CouponShot {
   Eigen::Vector3d eye_mm{0, 0, 0};
 };
 
+/// A coupon as it was carved, and the photos to take of it.
 struct Coupon {
   int number = 1;  ///< 1 to kMostCoupons; the tags' ids follow from it
   std::string date;

@@ -60,10 +60,12 @@ struct VisiblePieces {
 /// A part of a groove's width along its whole length. `from` and `to` are fractions: of the half-width, from -1 at the
 /// left rim to 1 at the right one; of a burr's width, from 0 at the rim.
 struct Lane {
+  /// The part of a groove that a lane covers.
   enum class Part : std::uint8_t { groove, left_burr, right_burr };
   Part part = Part::groove;
   double from = 0, to = 0;
 
+  /// True for the same part of the same groove.
   bool operator==(const Lane&) const = default;
 };
 

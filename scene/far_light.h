@@ -17,6 +17,7 @@ namespace burin {
 /// panorama seen from within; columns turn to the right. Its middle column looks towards `middle` (projected to the
 /// horizontal), its top row towards `up`.
 struct PanoramaFrame {
+  /// Frame of a panorama: the board's, or directions inside a room.
   enum class Kind { board, inside };
   Kind kind = Kind::board;
   Eigen::Vector3d up{0, 0, 1}, middle{-1, 0, 0};
@@ -47,6 +48,7 @@ struct FarLight {
   PanoramaFrame frame;
   std::shared_ptr<const Panorama> surroundings;  ///< null: this is the sun
 
+  /// True for a sun, false for surroundings.
   bool is_sun() const { return surroundings == nullptr; }
 };
 

@@ -25,9 +25,11 @@ struct GrooveProfile {
   /// Ratio of the roughnesses across the groove and along it (Material::alpha).
   double across = 1;
 
+  /// True if either side has a burr.
   bool has_burrs() const { return burr_left_um != 0 || burr_right_um != 0; }
   /// True for the paper's cross-section, which has a closed form.
   bool is_paper() const { return kind == Kind::paper && across == 1 && !has_burrs(); }
+  /// True if all numbers are equal.
   bool operator==(const GrooveProfile&) const = default;
 };
 

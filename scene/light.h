@@ -24,6 +24,7 @@ struct LampSize {
 
   /// True for an area from photos; false for a person's.
   bool is_measured() const { return disk_sigma_mm.has_value() || panel_sigma_mm.has_value(); }
+  /// True for a lamp without size.
   bool is_point() const { return !(disk_mm > 0) && !(panel_mm.maxCoeff() > 0); }
 };
 
@@ -46,6 +47,7 @@ struct Light {
   std::shared_ptr<const FarLight> far;
   std::vector<Light> also;  ///< simultaneous lights in addition to this one; their own `also` is empty
 
+  /// True for a lamp at a finite distance.
   bool is_near() const { return far == nullptr; }
   /// True for a single near lamp, the only kind that photos can measure.
   bool is_lamp() const { return far == nullptr && also.empty(); }

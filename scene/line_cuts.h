@@ -19,12 +19,14 @@ struct CellsOfLines {
   int columns = 1, rows = 1;
 
   CellsOfLines() = default;
+  /// Square cells of `side_mm` over the rectangle from `low_mm` to `high_mm`.
   CellsOfLines(const Eigen::Vector2d& low_mm, const Eigen::Vector2d& high_mm, double side_mm)
       : min_mm(low_mm),
         cell_mm(side_mm),
         columns(static_cast<int>((high_mm.x() - low_mm.x()) / side_mm) + 1),
         rows(static_cast<int>((high_mm.y() - low_mm.y()) / side_mm) + 1) {}
 
+  /// Number of cells.
   std::size_t size() const { return static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows); }
 
   /// Calls visit(cell) once for every cell within `margin_mm` of a line. Cells come row by row, between the line's
@@ -63,6 +65,7 @@ struct LineStretch {
   double from = 0, to = 0;
   LineBoundary from_boundary = LineBoundary::own_end, to_boundary = LineBoundary::own_end;
 
+  /// True if the stretch has no length.
   bool is_empty() const { return !(from < to); }
 };
 

@@ -25,6 +25,7 @@ struct MachineErrors {
   bool uneven() const { return !screw_sin_mm.isZero(0) || !screw_cos_mm.isZero(0); }
   /// Amplitudes of the screws' errors, mm, and their phases, degrees: amplitude sin(2 pi p / period + phase).
   Eigen::Vector2d screw_mm() const;
+  /// Phases of the screw errors in x and y, degrees.
   Eigen::Vector2d screw_phase_deg() const;
 };
 

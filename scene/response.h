@@ -26,6 +26,7 @@ struct Response {
   double offset = 0, slope = 0;
   std::array<double, kBumps> bumps{};
 
+  /// True for the identity.
   bool is_none() const { return offset == 0 && slope == 0 && bumps == std::array<double, kBumps>{}; }
 };
 

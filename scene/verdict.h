@@ -20,6 +20,7 @@ enum class Unit { none, percent, mm, px, degrees };
 
 /// One reason for a verdict, with its numbers.
 struct Cause {
+  /// Kind of a cause.
   enum class Kind {
     // Reference or place of the sigma.
     of_focal_length,     ///< focal length, its sigma, the center's sigma, corners' RMS per axis: px; text: lens model
@@ -55,6 +56,7 @@ struct Cause {
 
 /// The most helpful next photo.
 struct NextPhoto {
+  /// Kind of a further photo.
   enum class Kind { at_place, same_view_with_more_tags, any_for_the_lens };
   Kind kind = Kind::at_place;
   std::string place{};                ///< at_place: positions of camera and lamp, in words
@@ -71,6 +73,7 @@ struct Verdict {
   std::vector<Cause> causes{};
   std::optional<NextPhoto> next_photo{};  ///< for a number that is not determined
 
+  /// True if the photos determine the parameter.
   bool determined() const { return degree == Degree::determined; }
   /// True for an at least weakly determined or given number.
   bool known() const { return degree != Degree::not_determined; }

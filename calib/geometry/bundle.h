@@ -53,6 +53,7 @@ struct ViewLens {
   OwnLens own;
   LensScatter prior;
 
+  /// True if the photo has a lens of its own.
   bool moves() const { return prior.shift_px > 0 && prior.focal > 0; }
 };
 

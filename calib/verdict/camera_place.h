@@ -23,6 +23,7 @@ struct CameraPlace {
   double azimuth_rad = 0;     ///< of the camera about the board's middle, counter-clockwise from x
   double roll_rad = 0;        ///< 0: upright; pi / 2: on its side
 
+  /// The camera's center in the board's frame.
   Eigen::Vector3d center_mm() const { return T_camera_board.inverse().translation(); }
 };
 
@@ -30,6 +31,7 @@ struct CameraPlace {
 struct FocusRange {
   double near_mm = 0, far_mm = 0;
 
+  /// True if the distance is within the range.
   bool holds(double distance_mm) const { return distance_mm >= near_mm && distance_mm <= far_mm; }
 };
 

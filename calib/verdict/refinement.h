@@ -29,6 +29,7 @@ struct NoiseBound {
   Unit unit = Unit::none;
 };
 
+/// Result of refine(): the measured setup, its uncertainties and diagnostics.
 struct Refinement {
   Bench bench;  ///< completed: material, lights, sensor, ambient, machine_affine, sigmas, verdict
   std::vector<PhotoFit> photos;

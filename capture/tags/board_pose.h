@@ -26,6 +26,7 @@ struct AgreeingCorners {
 AgreeingCorners agreeing_corners(std::span<const TagLook> seen, const TagSet& tags, double tolerance_px,
                                  bool one_is_enough = false);
 
+/// Pose of the board in a photo, from its tags.
 struct BoardPose {
   Eigen::Isometry3d T_camera_board = Eigen::Isometry3d::Identity();
   double error_px = 0;  ///< median distance of the corners from their places under this pose

@@ -38,6 +38,7 @@ class Adam {
   /// Exchanges the histories of one parameter between this optimizer and another with as many steps.
   void exchange(std::size_t index, Adam& other);
 
+  /// Number of values.
   std::size_t size() const { return mean_.size(); }
 
  private:

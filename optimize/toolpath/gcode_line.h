@@ -31,10 +31,15 @@ struct GcodeLine {
   bool percent = false;  ///< a lone %, the begin or end of LinuxCNC's program
   bool home = false;     ///< a lone $H, grbl's homing
 
+  /// True if the line has this word.
   bool has(char letter) const { return given[static_cast<std::size_t>(letter - 'A')]; }
+  /// Value of a word; meaningful only if has(letter).
   double operator[](char letter) const { return value[static_cast<std::size_t>(letter - 'A')]; }
+  /// True if the line moves X, Y or Z.
   bool has_axis() const { return has('X') || has('Y') || has('Z'); }
+  /// True if the line has this G code.
   bool has_g(int code) const;
+  /// True if the line has this M code.
   bool has_m(int code) const;
   bool empty() const;  ///< no effect: blank, a comment, a message, a line number
 

@@ -23,6 +23,7 @@ struct PlannedScratch {
   double travel_z_mm = 0;          ///< Z of the travel from the previous scratch
 };
 
+/// Planned scratches in carving order, with commanded positions and depths.
 struct Toolpath {
   std::vector<PlannedScratch> scratches;  ///< in carving order
   Sent sent;                              ///< the same with all columns: the content of sent.csv

@@ -48,6 +48,7 @@ struct ToolWay {
   bool carves = false;   ///< along the board in the metal, or with the head pressed down
 };
 
+/// What a G-code file carves, from a replay of its lines.
 struct Replay {
   std::vector<ReplayedScratch> scratches;
   Eigen::Vector3d min_mm, max_mm;      ///< of all commanded places; NaN for an axis never named
@@ -79,6 +80,7 @@ struct ToolpathCheck {
   std::size_t mirrored = 0;                            ///< number of lost ones found with a mirrored x (or y)
   std::size_t first_lost = 0, first_foreign_line = 0;  ///< row of the first lost one; line of the first foreign one
 
+  /// True if the file carves each scratch once and nothing else.
   bool good() const { return lost == 0 && doubled == 0 && foreign == 0; }
 };
 

@@ -28,6 +28,7 @@ struct Interruption {
   std::size_t line = 0;
 };
 
+/// Options of plan_toolpath().
 struct ToolpathOptions {
   /// Carve in the file's order, or in the shortest. Unset: in the file's if the order affects the bench
   /// (order_matters), since the board was designed for it.

@@ -21,6 +21,7 @@ struct Standing {
   Eigen::AlignedBox2d box;
 };
 
+/// The sheet on the machine, with everything that the tool must clear.
 struct Workpiece {
   Eigen::Vector2d size_mm{0, 0};   ///< of the sheet
   std::vector<Standing> standing;  ///< keep-outs and the tags' paper, each with its height

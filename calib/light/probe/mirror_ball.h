@@ -7,6 +7,7 @@
 
 namespace burin {
 
+/// A mirror ball on the board, in the board's frame.
 struct MirrorBall {
   Eigen::Vector3d center_mm{0, 0, 0};
   double radius_mm = 0;
