@@ -246,11 +246,13 @@ BoardSolution solve_with_one_lens(const Session& session, const Board& board, co
   std::string list;
   for (const std::string& name : solved.odd_views) list += (list.empty() ? "" : ", ") + name;
   const Finding turned = make_warning(
+      FindingCode::camera_changed,
       "the zoom or focus was turned between " + change->photo_before + " and " + change->photo_after + ": views " +
           list + (change->odd_after ? ", taken after it," : ", taken before it,") + " fit a focal length " +
           fixed(std::exp(log_ratio), 3) + " times the others' and are left out" +
-          (with_them.empty() ? ""
-                             : "; so is " + with_them + ", which cannot tell its focal length and shares their time"),
+          (with_them.empty()
+               ? ""
+               : "; so is " + with_them + ", which does not determine its focal length and shares their time"),
       "leave zoom and focus alone during a session, and take these photos again");
   solved = solve_board(board, pictures, size.width, size.height, solver, progress);
   solved.findings.insert(solved.findings.begin(), turned);
@@ -311,11 +313,13 @@ std::set<LitView> find_lamps(const Session& session, std::vector<MergedView>&& m
     for (MergedView& photo : merged)
       if (std::ranges::find(on_camera, photo.light) != on_camera.end())
         photo.light = lamp_on_camera(photo.light, photo.view);
-    out.findings.push_back({Finding::Severity::note,
-                            {},
-                            "the lamp \"" + on_camera.front() +
-                                "\" rides on the camera, such as a phone's torch: each view has a lamp of its own",
-                            "a lamp that stands still tells more, and is what a board is designed for"});
+    out.findings.push_back(
+        {FindingCode::lamp_moves,
+         Finding::Severity::note,
+         {},
+         "the lamp \"" + on_camera.front() +
+             "\" rides on the camera, such as a phone's torch: each view has a lamp of its own",
+         "use a lamp that does not move: photos determine it better, and boards are designed for it"});
     named = out.bench;
     notes.clear();
     views = make_light_views(merged, board, named, notes);
@@ -331,7 +335,8 @@ std::set<LitView> find_lamps(const Session& session, std::vector<MergedView>&& m
     std::string list;
     for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
     const auto change = change_in_time(session, {names.begin(), names.end()});
-    out.findings.push_back({Finding::Severity::warning,
+    out.findings.push_back({FindingCode::lamp_differs,
+                            Finding::Severity::warning,
                             {},
                             "the lamp \"" + group.light + "\" lights the paper in view" +
                                 (names.size() > 1 ? "s " : " ") + list + " differently from the other photos (by " +
@@ -407,8 +412,8 @@ Calibration calibrate(const Session& session, const Board& board, const Calibrat
   if (views.size() < (options.fix_lens ? 1U : 3U))
     fail(where,
          views.size() == 1
-             ? "all its photos are of one view, \"" + *views.begin() + "\", which cannot tell lens and poses"
-             : "two views cannot tell lens and poses",
+             ? "all its photos are of one view, \"" + *views.begin() + "\", which do not determine lens and poses"
+             : "two views do not determine lens and poses",
          "photograph the board from at least three places, better ten, tilted in different directions");
 
   report("reading photos", 0);

@@ -20,10 +20,6 @@
 namespace burin {
 namespace {
 
-Finding told(std::string what, std::string remedy) {
-  return {Finding::Severity::note, {}, std::move(what), std::move(remedy)};
-}
-
 std::string percent(double part, int digits = 2) { return significant(100 * part, digits) + " %"; }
 
 // Multiplies a photo's balance by `by`: a factor relative to the geometric mean over the photos under its light.
@@ -37,12 +33,13 @@ void look_at_mosaic(const Session& session, Sensor& sensor, std::vector<Finding>
   const GreenSitesFound found = find_green_sites(with_camera(session, sensor).photos);
   sensor.green_sites = found.sites;
   if (found.sites == GreenSites::unknown) return;
-  findings.push_back(
-      told("the camera measures one color a pixel and makes up the others, which loses light of fine glints: every "
-           "second pixel shows " +
-               percent(std::expm1(found.detail)) + " +- " + percent(std::exp(found.detail) * found.detail_sigma, 1) +
-               " more fine detail (variance); what is measured rests on those alone",
-           "raw files, which are read without guessing edges, avoid it"));
+  findings.push_back(make_note(
+      FindingCode::camera_colors,
+      "the camera measures one color a pixel and makes up the others, which loses light of fine glints: every "
+      "second pixel shows " +
+          percent(std::expm1(found.detail)) + " +- " + percent(std::exp(found.detail) * found.detail_sigma, 1) +
+          " more fine detail (variance); the fit uses those alone",
+      "raw files, which are read without guessing edges, avoid it"));
 }
 
 }  // namespace
@@ -56,7 +53,7 @@ void look_at_brackets(const Session& session, CurveFrom from, Sensor& sensor, st
   const BracketResponse found = bracket_response(with_camera(session, sensor), !is_told);
   if (from == CurveFrom::brackets && found.brackets == 0)
     fail(session.file.empty() ? "the session" : session.file.string(),
-         "a response curve was asked for, but no view has two exposures of which one is 1.25 times the other or more "
+         "a response curve is requested, but no view has two exposures of which one is 1.25 times the other or more "
          "and "
          "that are neither dark nor clipped: a single exposure holds no curve",
          "take each view with three exposures, a factor of four apart, without moving camera or lamp; or write "
@@ -67,21 +64,23 @@ void look_at_brackets(const Session& session, CurveFrom from, Sensor& sensor, st
   append(findings, found.findings);
   if (!is_told && !found.response.is_none()) {
     sensor.response = found.response;
-    findings.push_back(
-        told("the camera bends its pictures otherwise than sRGB does: brackets of " + std::to_string(found.brackets) +
-                 " views show a curve that changes ratios of light by " + percent(found.change) + " +- " +
-                 percent(found.change_sigma, 1) + "; it is taken back (exposures then agree to " +
-                 percent(found.error_after) + ", before to " + percent(found.error_before) + ")",
-             "raw files, or a camera's neutral setting, need none"));
+    findings.push_back(make_note(
+        FindingCode::response_curve,
+        "the camera bends its pictures otherwise than sRGB does: brackets of " + std::to_string(found.brackets) +
+            " views show a curve that changes ratios of light by " + percent(found.change) + " +- " +
+            percent(found.change_sigma, 1) + "; it is taken back (exposures then agree to " +
+            percent(found.error_after) + ", before to " + percent(found.error_before) + ")",
+        "raw files, or a camera's neutral setting, need none"));
   }
   for (std::size_t i = 0; i < found.balance.size(); ++i) multiply_balance(session, i, found.balance[i], sensor);
   if (!found.balance.empty()) {
     double sum2 = 0;
     for (const Eigen::Vector3d& b : found.balance) sum2 += b.array().log().square().sum() / 3;
-    findings.push_back(told("photos of a bracket are exposed or balanced otherwise than their EXIF says, by " +
-                                percent(std::sqrt(sum2 / static_cast<double>(found.balance.size()))) +
-                                " (standard deviation); that is taken back",
-                            "a fixed white balance and manual exposure avoid it"));
+    findings.push_back(make_note(FindingCode::exif,
+                                 "a bracket's photos differ in exposure or white balance from their EXIF by " +
+                                     percent(std::sqrt(sum2 / static_cast<double>(found.balance.size()))) +
+                                     " (standard deviation); that is taken back",
+                                 "a fixed white balance and manual exposure avoid it"));
   }
 }
 
@@ -102,7 +101,9 @@ void look_at_edges(const Session& session, std::span<const Bracket> brackets, st
   const EdgeSharpening found = edge_sharpening(photos, border_cells);
   if (!found.is_seen) return;
   findings.push_back(make_warning(
-      "the camera sharpens its pictures: white paper is brighter beside the tags' black borders than further out, by " +
+      FindingCode::camera_settings,
+      "the camera sharpens its pictures: white paper is brighter next to the tags' black borders than further out, "
+      "by " +
           percent(found.overshoot) + " +- " + percent(found.overshoot_sigma, 1) +
           " of the step; glints are sharpened as well, which moves roughness and depth by several percent",
       "switch sharpening off or take raw files; or write \"sharpening\": {\"amount\", \"sigma_px\"} into session.json "
@@ -172,9 +173,10 @@ bool look_at_paper_colors(const Session& session, std::span<const Bracket> brack
   }
   if (changed)
     findings.push_back(
-        told("the camera chose another white balance for each view: the tags' paper differs in color by " +
-                 percent(worst) + " (standard deviation); that is taken back",
-             "a fixed white balance avoids it"));
+        make_note(FindingCode::camera_settings,
+                  "the camera chose another white balance for each view: the tags' paper differs in color by " +
+                      percent(worst) + " (standard deviation); that is taken back",
+                  "a fixed white balance avoids it"));
   return changed;
 }
 

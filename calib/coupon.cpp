@@ -309,7 +309,7 @@ void judge_cells(const Rounds& run, CouponReading& out) {
                                std::to_string(out.cells.size()) + " kinds of fans (" + which + " mm/min" +
                                (count > 4 ? ", ..." : "") + "): ";
       const auto tell = [&](const std::string& why, const std::string& remedy) {
-        out.findings.push_back(make_warning(what + why, remedy));
+        out.findings.push_back(make_warning(FindingCode::coupon_cell, what + why, remedy));
       };
       switch (cause) {
         case CouponCause::overexposed:
@@ -349,11 +349,13 @@ void judge_photos(const Rounds& run, CouponReading& out) {
     }
     if (lean < kMirror)
       out.findings.push_back(make_warning(
+          FindingCode::photo_quality,
           "photo " + view + " looks almost into the face's mirror image of the lamp, which hides the grooves' light",
-          "take it from where coupon.json's shots say"));
+          "take it from the place in coupon.json's shots"));
     if (clipped > 0)
       out.findings.push_back(
-          make_warning("in photo " + view + " light of " + std::to_string(clipped) + " of " +
+          make_warning(FindingCode::exposure,
+                       "in photo " + view + " light of " + std::to_string(clipped) + " of " +
                            std::to_string(seen.size()) + " fans is overexposed",
                        "add shorter exposures of it (a bracket), so that the brightest glints are not clipped"));
   }

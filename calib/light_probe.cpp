@@ -75,7 +75,7 @@ ProbeWork first_reading(const Session& given, const Board& board, const LightPro
   if (given.photos.empty()) fail("the light probe", "has no photos", "give photos of a mirror ball on the board");
   if (board.tags.list.size() < 3)
     fail("board.json: tags.list", "has " + counted(board.tags.list.size(), "tag"),
-         "list at least three: they tell where the camera stood");
+         "list at least three: they determine the camera's place");
   ProbeWork work;
   Sensor sensor;
   if (options.bench != nullptr)
@@ -117,21 +117,21 @@ void solve_places(ProbeWork& work, const Board& believed, const LightProbeOption
              "no tag can be used in any photo; of tag " + std::to_string(picture.rejected.front().id) + ", " +
                  in_words(picture.rejected.front()),
              "take the photos again: tags sharp, their paper not clipped in the darker ones");
-    fail(work.file_of(0).string(), "no tag of the board's is seen in any photo, so nobody knows where the camera stood",
+    fail(work.file_of(0).string(), "no tag of the board's is seen in any photo, so the camera's place is unknown",
          "photograph ball and tags together, sharp, the tags at least 20 pixels wide; and check tags.family in "
          "board.json");
   }
   if (!solver.lens && work.brackets.size() < 3)
     fail(work.file_of(0).string(),
          "photos from " + counted(work.brackets.size(), "place") +
-             " do not tell the lens, and their EXIF has no focal length",
+             " do not determine the lens, and their EXIF has no focal length",
          "give the lens (--camera camera.cameramodel, or --bench), or photograph ball and tags from three places");
   const BoardSolution solution = solve_board(board, pictures, size.width, size.height, solver, progress);
   for (const Finding& finding : solution.findings)  // single corners do not matter here
     if (finding.severity != Finding::Severity::note) out.findings.push_back(finding);
   for (const std::string& name : solution.not_determined)
     if (!solver.fix_lens)
-      out.findings.push_back(make_warning("the photos hardly determine the lens' " + name,
+      out.findings.push_back(make_warning(FindingCode::lens_weak, "the photos hardly determine the lens' " + name,
                                           "give --bench or --camera with a lens that was measured"));
   std::vector<bool> kept;
   for (std::size_t b = 0; b < work.brackets.size(); ++b) {
@@ -165,7 +165,7 @@ void solve_places(ProbeWork& work, const Board& believed, const LightProbeOption
   for (std::size_t b = 0; b < work.brackets.size(); ++b)
     if (out.places[b].tags_rms_px > kPoorPose_px)
       out.findings.push_back(
-          {Finding::Severity::warning, work.file_of(b),
+          {FindingCode::lens_weak, Finding::Severity::warning, work.file_of(b),
            "its tags lie " + significant(out.places[b].tags_rms_px, 2) + " pixels from where lens and board have them",
            "give the lens of this camera at this zoom and focus (--bench, --camera), or photograph from three places "
            "and more without it"});
@@ -182,7 +182,7 @@ FittedBall solve_ball(ProbeWork& work, const Board& board, const LightProbeOptio
     kept.push_back(shows_ball(*fit, b));
     if (!kept.back())
       out.findings.push_back(
-          {Finding::Severity::warning, work.file_of(b),
+          {FindingCode::photo_omitted, Finding::Severity::warning, work.file_of(b),
            "is left out: along only " + in_percent(fit->views[b].found) + " of the ball's outline an edge is seen",
            "the ball is to be seen whole"});
   }
@@ -220,20 +220,23 @@ void tell_ball(const FittedBall& fit, LightProbe& out) {
   constexpr double kPoorAgreement = 0.87;
   if (out.places.size() > 1 && fit.agreement < kPoorAgreement)
     out.findings.push_back(make_warning(
-        "what the places show in the ball agrees only with a correlation of " + significant(fit.agreement, 2) +
+        FindingCode::ball,
+        "the places' pictures of the room agree only with a correlation of " + significant(fit.agreement, 2) +
             ": directions may be off by a degree or two",
         "ball and lamps must not move between photos; a ball that stands out from the face, and more places, help"));
   double largest = 1;
   for (const ProbePlace& place : out.places) largest = std::max(largest, place.radius_px);
   out.pixel_deg = 2 / largest * kDeg;
   if (out.pixel_deg > 2)
-    out.findings.push_back(make_warning("a pixel in the ball's middle spans " + significant(out.pixel_deg, 2) +
+    out.findings.push_back(make_warning(FindingCode::ball,
+                                        "a pixel in the ball's middle spans " + significant(out.pixel_deg, 2) +
                                             " degrees of the room: small lamps are smeared over that",
                                         "come closer, or take a larger ball: 200 pixels and more are good"));
   std::vector<double> round;
   for (const OutlineLook& look : fit.views) round.push_back(look.out_of_round);
   if (const double off = median_of(round); off > 0.005)
-    out.findings.push_back(make_warning("the ball is not quite round: its outline is off by " + in_percent(off) +
+    out.findings.push_back(make_warning(FindingCode::ball,
+                                        "the ball is not quite round: its outline is off by " + in_percent(off) +
                                             " of its radius, directions by up to " + significant(4 * off * kDeg, 2) +
                                             " degrees",
                                         "a bearing ball is round"));
@@ -283,10 +286,10 @@ void judge_exposures(const ProbeWork& work, LightProbe& out) {
         "take shorter exposures, or a smaller aperture or a gray filter for all of them, until no lamp is white in the "
         "last");
   out.findings.push_back(
-      {Finding::Severity::warning, file,
+      {FindingCode::exposure, Finding::Severity::warning, file,
        "the brightest light (" + in_percent(out.clipped_share) +
            " of the directions above the face) is clipped even in this, the shortest exposure: it is at least as "
-           "bright as the picture says",
+           "bright as in the picture",
        "add a shorter exposure, or name the sun as a light of its own (\"sun\" in bench.json)"});
 }
 
@@ -321,6 +324,7 @@ void solve_reflectance(const ProbeWork& work, const Board& board, const LightPro
     const double ratio = by_paper->mean() / out.reflectance.mean();
     if (std::abs(std::log(ratio)) > 0.1)
       out.findings.push_back(make_warning(
+          FindingCode::ball,
           "the tags' paper gets " + significant(1 / ratio, 3) +
               " times the light that the ball shows with the given "
               "reflectance" +
@@ -335,9 +339,11 @@ void solve_reflectance(const ProbeWork& work, const Board& board, const LightPro
   }
   out.reflectance.setConstant(kUsualReflectance);
   out.findings.push_back(make_warning(
-      out.clipped_share > 0 ? "a clipped light is missing in the ball and not on the paper, so the paper cannot tell "
-                              "the ball's reflectance: 0.6 is assumed"
-      : by_paper            ? "the tags' paper says that the ball reflects " + significant(by_paper->mean(), 2) +
+      FindingCode::ball,
+      out.clipped_share > 0
+          ? "a clipped light is missing in the ball and not on the paper, so the paper does not determine "
+            "the ball's reflectance: 0.6 is assumed"
+      : by_paper ? "by the tags' paper the ball would reflect " + significant(by_paper->mean(), 2) +
                        " of the light, which no mirror does: 0.6 is assumed"
                  : "the tags' paper cannot be used, so the ball's reflectance is not known: 0.6 is assumed",
       by_paper && out.clipped_share == 0
@@ -385,6 +391,7 @@ BrightestLight brightest_light(const Image& radiance) {
 void tell_photographer(const LightProbeOptions& options, LightProbe& out) {
   if (out.photographer_share < 0.005) return;
   out.findings.push_back(make_warning(
+      FindingCode::ball,
       "towards the camera (" + in_percent(out.photographer_share) +
           " of the directions above the face) no other place looks past the photographer, who stays in the picture "
           "there",

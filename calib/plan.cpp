@@ -207,7 +207,7 @@ Sent test_strokes(const Board& board) {
 namespace {
 
 void require_something_to_plan(const Board& board, const Bench& nominal, const Sent& sent, const PlanOptions& options) {
-  if (options.shots < 1) fail("the plan", "asks for no shots", "ask for at least one");
+  if (options.shots < 1) fail("the plan", "is zero", "ask for at least one");
   if (board.tags.list.size() < 3)
     fail("board.json: tags.list", "has " + counted(board.tags.list.size(), "tag"),
          "list at least three, better ten around the carved area");
@@ -215,7 +215,7 @@ void require_something_to_plan(const Board& board, const Bench& nominal, const S
     fail("the plan", "is to hold for depths up to " + fixed(100 * options.depth_share, 0) + " % off",
          "ask for 0 to 99 %");
   if (nominal.lights.empty())
-    fail("the bench", "has no near lamp, and photos are measured under one alone", "say where it is to stand, about");
+    fail("the bench", "has no near lamp, and photos are measured under one alone", "give its intended place, roughly");
   if (sent.size() == 0) fail("scratches", "there is none", "name the designed scratches, or plan with test strokes");
 }
 

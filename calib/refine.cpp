@@ -369,6 +369,7 @@ void RefineRun::choose_crossings() {
   if (crowded && !options.crossings) {
     if (!std::exchange(told_crowded, true))
       out.findings.push_back(make_warning(
+          FindingCode::crossings_ignored,
           "scratches cross one another too often to be cut where they do, so their light was added there",
           "depth may be 5 % off by that; a board with fewer scratches, or `burin coupon`, measures metal and tool"));
   } else if (!options.crossings) {
@@ -447,6 +448,7 @@ void RefineRun::compare_finest_grooves() {
     refuse_other_grooves("of what single grooves add to the pictures they show " + share + ", and own photos show 1");
   if (shows_these_grooves(seen)) return;
   out.findings.push_back(make_warning(
+      FindingCode::board_unconfirmed,
       "the photos are too coarse to know the board by single grooves" +
           (seen.photos == 0 ? std::string() : ": they show " + share + " of what these add to the pictures") +
           "; photos of another board of the same pictures would make roughness and depth wrong",
@@ -702,7 +704,7 @@ void RefineRun::find_stray() {
     stage = stage_with;
     state = std::move(state_with);
   }
-  fit(options.max_iterations, 1e-4, "fitting coarse photos and light that nobody named");
+  fit(options.max_iterations, 1e-4, "fitting coarse photos and unnamed lights");
 }
 
 // Grooves of another cross-section send light where the paper's send none, too, and are commoner than lamps that nobody
@@ -811,9 +813,10 @@ void RefineRun::ask_of_believed_depth() {
   verdict.source = Source::measured;
   verdict.causes.push_back({Cause::Kind::believed_refuted, {believed_um}});
   out.findings.push_back(make_warning(
-      "the photos do not tell the depth, but they speak against the " + significant(believed_um, 3) +
+      FindingCode::parameter_undetermined,
+      "the photos do not determine the depth, but they contradict the " + significant(believed_um, 3) +
           " um that board.json believes: " + significant(fitted_um, 3) + " um explain them better, and are taken",
-      "how far off that is nobody knows: take the photo that would help most (bench.json, "
+      "its error is unknown: take the photo that would help most (bench.json, "
       "verdict.depth_um.next_photo) before another board is designed"));
 }
 
@@ -837,7 +840,8 @@ void RefineRun::doubt_colors() {
                 std::abs(half[unknown::log_base_alpha])}) < kLeastShift)
     return;
   out.findings.push_back(
-      make_warning("the colors that the camera makes up do not hold all of fine glints' light: read by what it "
+      make_warning(FindingCode::camera_colors,
+                   "the colors that the camera makes up do not hold all of fine glints' light: read by what it "
                    "measured alone, green, the photos would ask for another answer, by " +
                        significant(2 * moved.alpha_percent, 2) + " % in alpha, " +
                        significant(2 * moved.depth_percent, 2) + " % in depth and " +
@@ -901,10 +905,11 @@ void RefineRun::judge() {
   constexpr double kWorthTelling = 4;  // twice the weight
   if (data.geometry && data.geometry->weight > kWorthTelling)
     out.findings.push_back(make_warning(
+        FindingCode::model_misfit,
         "the scratches' pictures would move cameras and lens by more than the tags allow, as they do where the model "
         "misses something of metal, lamp or camera: the tags decide, with " +
             significant(std::sqrt(data.geometry->weight), 2) + " times the weight that their noise gives them",
-        "what the model misses is told by the other findings"));
+        "the other diagnostics name possible causes"));
   append(out.findings, judge_bounds(data, stage, state, out.bench));
   ask_of_believed_depth();
   keep_believed(board, state, out.bench);

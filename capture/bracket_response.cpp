@@ -456,7 +456,8 @@ void drop_contradictions(const Session& session, const std::vector<Bracket>& bra
       continue;
     }
     out.findings.push_back(make_warning(
-        "the exposures of view " + brackets[used[i]].view + " contradict what their EXIF says, by " +
+        FindingCode::exif,
+        "the exposures of view " + brackets[used[i]].view + " contradict their EXIF by " +
             std::to_string(std::lround(100 * std::expm1(std::abs(middle)))) +
             " %, while other brackets agree: they tell "
             "nothing of the camera's curve",
@@ -513,6 +514,7 @@ BracketResponse bracket_response(const Session& session, bool fit_curve) {
     const bool bends = numbers > 0 && out.change > kLeastChange && out.change > 4 * out.change_sigma;
     if (bends && !is_monotonic(fit.response))
       out.findings.push_back(make_warning(
+          FindingCode::response_curve,
           "the brackets' exposures only fit a response curve that is not monotonic, so no curve is taken from them",
           "the camera changes its pictures from photo to photo (HDR, local tone mapping): switch that off, or use raw "
           "files"));

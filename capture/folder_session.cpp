@@ -36,7 +36,8 @@ constexpr double kTouched_px = 10;  // a touched tripod; larger shifts are inten
 // too much.
 std::optional<Photo> photo_of(const IncomingPhoto& incoming, double f_number, std::vector<Finding>& findings) {
   if (!incoming.unreadable.empty()) {
-    findings.push_back({error, {}, incoming.unreadable, ""});  // names file and remedy already
+    findings.push_back(
+        {FindingCode::photo_unusable, error, {}, incoming.unreadable, ""});  // names file and remedy already
     return std::nullopt;
   }
   const Exif& exif = incoming.exif;
@@ -45,8 +46,9 @@ std::optional<Photo> photo_of(const IncomingPhoto& incoming, double f_number, st
   if (!(aperture > 0)) missing += missing.empty() ? "aperture" : " and aperture";
   if (!missing.empty()) {
     findings.push_back(
-        {warning, incoming.file, "is left out: its EXIF holds no " + missing,
-         std::string(exif.exposure_s ? "say the aperture with --f-number 8 (of burin capture, watch and loop), " : "") +
+        {FindingCode::exif, warning, incoming.file, "is left out: its EXIF holds no " + missing,
+         std::string(exif.exposure_s ? "give the aperture with --f-number 8 (of burin capture, watch and loop), "
+                                     : "") +
              "copy the photo from the camera itself (chats and editors strip EXIF), set what is missing with "
              "exiftool -ExposureTime=1/60 -FNumber=8, or write session.json by hand"});
     return std::nullopt;
@@ -58,29 +60,30 @@ std::optional<Photo> photo_of(const IncomingPhoto& incoming, double f_number, st
   if (exif.iso)
     photo.iso = *exif.iso;
   else
-    findings.push_back(
-        {warning, incoming.file, "its EXIF holds no ISO; 100 was assumed", "correct iso in session.json"});
+    findings.push_back({FindingCode::exif, warning, incoming.file, "its EXIF holds no ISO; 100 was assumed",
+                        "correct iso in session.json"});
   const AssumedEncoding encoding = encoding_of(exif);
   photo.encoding = encoding.encoding;
   const bool other_colors = exif.uncalibrated && exif.channels >= 3;  // irrelevant for gray, which has no primaries
   if (encoding.assumed && encoding.encoding == Encoding::linear && other_colors) {
-    findings.push_back({error, incoming.file,
-                        "does not tell its tone curve: its EXIF has a color space other than sRGB, and no profile",
+    findings.push_back({FindingCode::encoding, error, incoming.file,
+                        "has no known tone curve: its EXIF has a color space other than sRGB, and no profile",
                         "export it with its color profile embedded, or as sRGB; if its values are linear, take the "
                         "statement out: exiftool -ColorSpace= FILE"});
     return std::nullopt;
   }
   if (other_colors && encoding.encoding == Encoding::srgb)
-    findings.push_back({warning, incoming.file,
+    findings.push_back({FindingCode::encoding, warning, incoming.file,
                         "has a color space other than sRGB by its EXIF, and no profile; sRGB's curve was assumed",
                         "set the camera to sRGB, or export with the profile embedded"});
   if (exif.gain_map)
-    findings.push_back({note, incoming.file, "carries a gain map for HDR displays; its base picture is used", ""});
+    findings.push_back({FindingCode::encoding, note, incoming.file,
+                        "carries a gain map for HDR displays; its base picture is used", ""});
   if (encoding.assumed && !other_colors)
-    findings.push_back({note, incoming.file,
+    findings.push_back({FindingCode::encoding, note, incoming.file,
                         encoding.encoding == Encoding::linear
-                            ? "does not say how its values are encoded; linear was assumed, as it has 16 bits"
-                            : "does not say how its values are encoded; sRGB was assumed, as it has 8 bits",
+                            ? "does not name its encoding; linear was assumed, as it has 16 bits"
+                            : "does not name its encoding; sRGB was assumed, as it has 8 bits",
                         "correct encoding in session.json if that is wrong"});
   return photo;
 }
@@ -94,15 +97,17 @@ double missing_aperture(const std::vector<IncomingPhoto>& incoming, double said,
   if (count == 0) return said;
   const bool some_have = std::any_of(incoming.begin(), incoming.end(), [](const auto& p) { return !!p.exif.f_number; });
   if (said > 0) {
-    findings.push_back({note,
+    findings.push_back({FindingCode::exif,
+                        note,
                         {},
                         counted(static_cast<std::size_t>(count), "photo") + " without an aperture in EXIF: f/" +
-                            general(said, 3) + " is used, as --f-number says",
+                            general(said, 3) + " is used, from --f-number",
                         ""});
     return said;
   }
   if (some_have) return 0;
-  findings.push_back({warning,
+  findings.push_back({FindingCode::exif,
+                      warning,
                       {},
                       "no photo holds an aperture in its EXIF (a lens that the camera does not know); f/" +
                           general(kAssumedAperture, 3) + " is used for all",
@@ -140,27 +145,29 @@ void leave_out_by_exif(std::vector<ExifPhoto>& photos, std::vector<Finding>& fin
     const bool by_equivalent = zoom.equivalent > 0 && std::abs(zoom.equivalent / equivalent - 1) > kSameZoom;
     if (std::abs(zoom.ratio / ratio - 1) > kSameZoom || by_equivalent) {
       const double times = by_equivalent ? zoom.equivalent / equivalent : zoom.ratio / ratio;
-      findings.push_back({warning, photo.file,
+      findings.push_back({FindingCode::camera_changed, warning, photo.file,
                           "is left out: by its EXIF the camera zoomed digitally or cropped, " + general(times, 3) +
                               " times the other photos",
                           "set the zoom to 1x for all photos, switch crop modes off, and take it again"});
       return true;
     }
     if (fired > 0 && exif.flash.value_or(false) != mostly_fired) {
-      findings.push_back({warning, photo.file,
-                          mostly_fired ? "is left out: by its EXIF the flash did not fire, as it did for other photos"
-                                       : "is left out: by its EXIF the flash fired, and lit the board beside the lamp",
+      findings.push_back({FindingCode::lamp_differs, warning, photo.file,
+                          mostly_fired
+                              ? "is left out: by its EXIF the flash did not fire, as it did for other photos"
+                              : "is left out: by its EXIF the flash fired, and lit the board in addition to the lamp",
                           "switch the flash off for all photos, and take it again"});
       return true;
     }
     return false;
   });
   if (fired > 0 && mostly_fired)
-    findings.push_back({warning,
+    findings.push_back({FindingCode::camera_settings,
+                        warning,
                         {},
                         "the flash fired in " + counted(fired, "photo") + ", by EXIF",
                         "a flash on the camera moves with it: burin calibrate sees that and takes it for a lamp of its "
-                        "own at each view; a lamp that stands still tells more"});
+                        "own at each view; photos determine a lamp that does not move better"});
 }
 
 // Distance between the common tags of two photos; nothing if they share too few.
@@ -194,7 +201,7 @@ bool joins_by_picture(const std::vector<ExifPhoto>& photos, const std::vector<st
   if (!same) return timed && gap_s <= kBurst_s;
   if (same->correlation < kSameDetails) return false;
   if (same->shift_px <= kSamePlace_px) return true;
-  findings.push_back({warning, photo.file,
+  findings.push_back({FindingCode::camera_moved, warning, photo.file,
                       "shows the same as " + photos[k].first.file.filename().string() + ", but " +
                           fixed(same->shift_px, 1) + " px aside: it became a view of its own",
                       "use a tripod and a remote release for brackets"});
@@ -238,7 +245,7 @@ std::vector<std::size_t> views_of(const std::vector<ExifPhoto>& photos,
       joins = px && *px <= kSamePlace_px;
       if (px && !joins && *px <= kTouched_px)
         findings.push_back(
-            {warning, photos[views[v].front()].first.file,
+            {FindingCode::camera_moved, warning, photos[views[v].front()].first.file,
              "lies " + fixed(*px, 1) + " px aside of the photos under the lamp before: it became a view of its own",
              "use a tripod, and change lamps without touching the camera"});
     }
@@ -283,9 +290,8 @@ FolderSession session_from(const PhotoSource& source, const TagSet& tags, const 
       photos.emplace_back(*photo, incoming.exif);
     }
   leave_out_by_exif(photos, result.findings);
-  require_at_most(
-      photos.size(), limit::kPhotos, "the photos", "files",
-      "take some of them into a folder of their own: a few dozen from many directions tell all there is to know");
+  require_at_most(photos.size(), limit::kPhotos, "the photos", "files",
+                  "take some of them into a folder of their own: a few dozen from many directions are enough");
   if (photos.empty())  // no photo is left: the findings of the photos are the reason
     for (Finding& finding : result.findings)
       if (finding.severity == warning) finding.severity = error;
@@ -297,7 +303,7 @@ FolderSession session_from(const PhotoSource& source, const TagSet& tags, const 
                      [](const auto& a, const auto& b) { return *a.second.time_s < *b.second.time_s; });
   else
     result.findings.push_back(
-        {note, {}, "not all photos say when they were taken; the order of their names was used", ""});
+        {FindingCode::exif, note, {}, "some photos have no time in EXIF; they are in the order of their names", ""});
 
   // A few at a time: this thread reports progress, and memory holds few large photos.
   std::vector<std::optional<PhotoLook>> looks(photos.size());
@@ -331,7 +337,7 @@ FolderSession session_from(const PhotoSource& source, const TagSet& tags, const 
   for (std::size_t i = 0; i < photos.size(); ++i) {
     auto& [photo, exif] = photos[i];
     if (!looks[i]) {
-      result.findings.push_back({error, {}, broken[i], ""});
+      result.findings.push_back({FindingCode::photo_unusable, error, {}, broken[i], ""});
       continue;
     }
     char name[24];

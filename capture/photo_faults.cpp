@@ -42,42 +42,44 @@ void judge_tags(const PhotoFacts& facts, const Board& board, std::vector<Finding
   if (facts.tags.empty()) {
     if (facts.place_of_before) return;
     if (facts.bright < kLostInTheDark)
-      out.push_back({error, facts.file,
+      out.push_back({FindingCode::tags_unread, error, facts.file,
                      words("shows no tag: it is dark, its brightest parts reach %.1f %% of white", 100 * facts.bright),
                      "take it 8 times longer"});
     else
-      out.push_back({error, facts.file, "shows no tag of the board's (family " + board.tags.family + ")",
+      out.push_back({FindingCode::tags_unread, error, facts.file,
+                     "shows no tag of the board's (family " + board.tags.family + ")",
                      "keep the whole board in the photo, sharp, its tags 20 pixels wide at least and not clipped"});
     return;
   }
   if (facts.tags.size() < std::min(kFewTags, all))
-    out.push_back({error, facts.file,
+    out.push_back({FindingCode::tags_unread, error, facts.file,
                    words("shows %zu of the board's %zu tags (not %s)", facts.tags.size(), all,
                          listed(facts.missing_tags).c_str()),
                    "keep the whole board in the photo, sharp and evenly lit"});
   if (facts.tag_side_px < kSmallTag_px)
-    out.push_back({warning, facts.file, words("its tags are %.0f pixels wide", facts.tag_side_px),
+    out.push_back({FindingCode::tags_small, warning, facts.file,
+                   words("its tags are %.0f pixels wide", facts.tag_side_px),
                    "go closer, so that the board fills the frame"});
   if (!facts.stray_tags.empty())
-    out.push_back({warning, facts.file,
+    out.push_back({FindingCode::tags_misplaced, warning, facts.file,
                    (facts.stray_tags.size() == 1 ? "tag " : "tags ") + listed(facts.stray_tags) +
                        (facts.stray_tags.size() == 1 ? " does" : " do") + " not lie where board.json has " +
                        (facts.stray_tags.size() == 1 ? "it" : "them"),
-                   "stick tags where the board says, or correct center_mm in board.json"});
+                   "move the tags to their places in board.json, or correct center_mm there"});
 }
 
 void judge_sharpness(const PhotoFacts& facts, std::span<const PhotoFacts* const> others, std::vector<Finding>& out) {
   if (!facts.blur_px) return;
   if (is_blurred(facts, others)) {
     const bool shaken = facts.one_way_blur > kShake;
-    out.push_back({error, facts.file,
+    out.push_back({FindingCode::photo_quality, error, facts.file,
                    words(shaken ? "was shaken: its tags' edges are %.1f px wide, %.1f times wider in one direction"
                                 : "is blurred: its tags' edges are %.1f px wide",
                          *facts.blur_px, facts.one_way_blur),
                    shaken ? "use a tripod and a remote release or the self-timer, and take it again"
                           : "focus once by hand on the board's face, and take it again"});
   } else if (*facts.worst_blur_px > std::max(kSharp_px, kUnevenBlur * *facts.blur_px)) {
-    out.push_back({warning, facts.file,
+    out.push_back({FindingCode::photo_quality, warning, facts.file,
                    words("is soft at tag %d (%.1f px; %.1f px elsewhere)", facts.worst_blur_tag, *facts.worst_blur_px,
                          *facts.blur_px),
                    "close the aperture to f/8 or f/11, and focus on the board's middle"});
@@ -97,36 +99,38 @@ std::optional<Value> usual(std::span<const PhotoFacts* const> others, Of of) {
 void judge_file(const PhotoFacts& facts, std::span<const PhotoFacts* const> others, std::vector<Finding>& out) {
   const Exif& exif = facts.exif;
   if (!facts.exposure_factor)
-    out.push_back({error, facts.file,
+    out.push_back({FindingCode::exif, error, facts.file,
                    std::string("its EXIF holds no ") + (exif.exposure_s ? "aperture"
                                                         : exif.f_number ? "exposure time"
                                                                         : "exposure time and aperture"),
-                   std::string(exif.exposure_s ? "say the aperture with --f-number 8, or " : "") +
+                   std::string(exif.exposure_s ? "give the aperture with --f-number 8, or " : "") +
                        "copy the photo from the camera itself: chats, editors and some apps strip EXIF"});
   else if (!exif.f_number && others.empty())
-    out.push_back({warning, facts.file, words("its EXIF holds no aperture; f/%.3g is taken", kAssumedAperture),
+    out.push_back({FindingCode::exif, warning, facts.file,
+                   words("its EXIF holds no aperture; f/%.3g is taken", kAssumedAperture),
                    "leave the aperture ring as it is for all photos"});
   const auto size = usual<std::pair<int, int>>(others, [](const auto& f) { return std::pair(f.width, f.height); });
   if (size && *size != std::pair(facts.width, facts.height)) {
     const bool rotated = size->first == facts.height && size->second == facts.width;
     out.push_back(
-        {error, facts.file,
+        {FindingCode::camera_changed, error, facts.file,
          words("is %d x %d pixels where others are %d x %d", facts.width, facts.height, size->first, size->second),
          rotated ? "hold the phone the same way for all photos, and switch off \"auto-rotate\""
                  : "use one camera at one size, uncropped"});
   }
   const auto focal = usual<double>(others, [](const auto& f) { return f.exif.focal_mm.value_or(0); });
   if (focal && *focal > 0 && exif.focal_mm && std::abs(*exif.focal_mm / *focal - 1) > 0.01)
-    out.push_back({error, facts.file,
+    out.push_back({FindingCode::camera_changed, error, facts.file,
                    words("was taken at %.4g mm focal length, others at %.4g mm", *exif.focal_mm, *focal),
                    "leave zoom and lens alone during a session"});
   const auto model = usual<std::string>(others, [](const auto& f) { return f.exif.model; });
   if (model && !model->empty() && !exif.model.empty() && exif.model != *model)
-    out.push_back(
-        {error, facts.file, "was taken with a " + exif.model + ", others with a " + *model, "use one camera"});
+    out.push_back({FindingCode::camera_changed, error, facts.file,
+                   "was taken with a " + exif.model + ", others with a " + *model, "use one camera"});
   const auto aperture = usual<double>(others, [](const auto& f) { return f.exif.f_number.value_or(0); });
   if (aperture && *aperture > 0 && exif.f_number && *exif.f_number != *aperture)
-    out.push_back({warning, facts.file, words("was taken at f/%.3g, others at f/%.3g", *exif.f_number, *aperture),
+    out.push_back({FindingCode::camera_settings, warning, facts.file,
+                   words("was taken at f/%.3g, others at f/%.3g", *exif.f_number, *aperture),
                    "set the aperture by hand, and change exposures by the time alone"});
 }
 

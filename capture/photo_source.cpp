@@ -60,7 +60,7 @@ std::vector<fs::path> photos_in(const fs::path& folder, std::vector<Finding>& fi
     const std::string name = entry.path().filename().string();
     if (name.front() == '.' || !entry.is_regular_file(error)) continue;
     if (!is_printable(name)) {
-      findings.push_back({Finding::Severity::warning, entry.path(),
+      findings.push_back({FindingCode::file_ignored, Finding::Severity::warning, entry.path(),
                           "was passed over: its name holds bytes that are no text", "rename the file"});
       continue;
     }
@@ -68,7 +68,8 @@ std::vector<fs::path> photos_in(const fs::path& folder, std::vector<Finding>& fi
       // A photo's name with other bytes is a damaged photo; its reader reports it.
       if (is_sidecar_name(entry.path())) continue;
       if (!is_photo_name(entry.path())) {
-        findings.push_back({Finding::Severity::note, entry.path(), "is no photo and was passed over", ""});
+        findings.push_back(
+            {FindingCode::file_ignored, Finding::Severity::note, entry.path(), "is no photo and was passed over", ""});
         continue;
       }
     }
@@ -95,10 +96,12 @@ std::vector<fs::path> find_other_folders(const fs::path& folder, const PhotoLamp
     if (!photos) continue;
     with_photos.push_back(other);
     if (lamps.names.size() < 2)
-      findings.push_back({Finding::Severity::warning, other, "holds photos, and folders within are passed over",
+      findings.push_back({FindingCode::file_ignored, Finding::Severity::warning, other,
+                          "holds photos, and folders within are passed over",
                           "if it is a lamp's that shone on them alone, list that lamp in bench.json (\"lights\")"});
     else
-      findings.push_back({Finding::Severity::error, other, "holds photos, and no lamp of the bench is called that",
+      findings.push_back({FindingCode::lamp_folder, Finding::Severity::error, other,
+                          "holds photos, and no lamp of the bench is called that",
                           "rename it: " + lamp_folders_in_words(folder, lamps.names) +
                               " are known; or, if its photos are not to be used, put a dot before its name"});
   }
@@ -117,9 +120,8 @@ std::string passed_over_text(const std::vector<Finding>& findings) {
 
 // Reads headers at once: they show which files are one shot.
 PhotoSource source_of(std::vector<IncomingPhoto> photos, std::vector<Finding>& findings) {
-  require_at_most(
-      photos.size(), limit::kPhotos, "the photos", "files",
-      "take some of them into a folder of their own: a few dozen from many directions tell all there is to know");
+  require_at_most(photos.size(), limit::kPhotos, "the photos", "files",
+                  "take some of them into a folder of their own: a few dozen from many directions are enough");
   for (IncomingPhoto& photo : photos) {
     try {
       photo.exif = read_exif(photo.file);
@@ -152,9 +154,9 @@ PhotoSource folder_source(const fs::path& folder, const PhotoLamps& lamps, std::
     const std::string folders = lamp_folders_in_words(folder, lamps.names);
     fail(photos.front().file.string(),
          (photos.size() == 1 ? "lies" : "and " + std::to_string(photos.size() - 1) + " more lie") +
-             " in no lamp's folder, and photos do not tell which of several lamps was on",
+             " in no lamp's folder, and a photo does not show which of several lamps was on",
          "put each photo into the folder of the lamp that shone on it alone (" + folders +
-             "); or, for photos that are all under one, say which to burin capture: --lamp NAME");
+             "); or, for photos that are all under one, name it: burin capture --lamp NAME");
   }
   const std::vector<LampFolder> known = lamp_folders(folder, lamps.names);
   for (const LampFolder& lamp : known)

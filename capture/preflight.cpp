@@ -74,34 +74,35 @@ void judge_files(const Session& session, std::span<const Exif> exif, std::vector
     const Exif& e = exif[i];
     const auto& file = session.photos[i].file;
     if (e.width == usual.second && e.height == usual.first && e.width != e.height)
-      findings.push_back({error, file,
+      findings.push_back({FindingCode::camera_changed, error, file,
                           "is " + pixels_text(e.width, e.height) + " pixels where others are " +
                               pixels_text(usual.first, usual.second) + ": it was rotated",
                           "copy it from the camera again without \"auto-rotate\""});
     else if (e.width != usual.first || e.height != usual.second)
-      findings.push_back({error, file,
+      findings.push_back({FindingCode::camera_changed, error, file,
                           "is " + pixels_text(e.width, e.height) + " pixels where others are " +
                               pixels_text(usual.first, usual.second),
                           "use photos of one camera, uncropped and at one size"});
     if (e.focal_mm && std::abs(*e.focal_mm / focal - 1) > 0.01)
       findings.push_back(
-          {error, file,
+          {FindingCode::camera_changed, error, file,
            "was taken at " + general(*e.focal_mm, 4) + " mm focal length, others at " + general(focal, 4) + " mm",
            "leave the zoom alone during a session: take this photo again, or leave it out"});
     if (!e.model.empty() && std::pair(e.make, e.model) != camera)
       findings.push_back(
-          {error, file,
+          {FindingCode::camera_changed, error, file,
            "was taken with a " + e.make + " " + e.model + ", others with a " + camera.first + " " + camera.second,
            "use one camera for a session"});
     if (session.photos[i].f_number != aperture)
-      findings.push_back({warning, file,
+      findings.push_back({FindingCode::camera_settings, warning, file,
                           "was taken at f/" + general(session.photos[i].f_number, 3) + ", others at f/" +
                               general(aperture, 3) + ": vignetting and sharpness differ",
                           "set the aperture by hand"});
     turned += e.orientation != 1;
   }
   if (turned > 0)
-    findings.push_back({note,
+    findings.push_back({FindingCode::camera_settings,
+                        note,
                         {},
                         std::to_string(turned) + (turned == 1 ? " photo carries" : " photos carry") +
                             " an EXIF orientation; pixels are used as the sensor had them",
@@ -140,20 +141,21 @@ void judge_exposures(const Session& session, const std::vector<ComparedPhoto>& c
       std::vector<double> ratios;
       for (const ComparedPhoto& one : photos) ratios.push_back(one.ratio);
       alike += (alike.empty() ? "" : ", ") + how_far(median_of(ratios)) +
-               " than their EXIF says where a view's longest exposure is " + general(photos.front().times, 3) +
+               " than by their EXIF if a view's longest exposure is " + general(photos.front().times, 3) +
                " times as long";
       continue;
     }
     for (const ComparedPhoto& one : photos)
       if (std::abs(one.ratio - 1) > kExposureError)
-        findings.push_back({warning, session.photos[one.photo].file,
+        findings.push_back({FindingCode::exif, warning, session.photos[one.photo].file,
                             "is " + how_far(one.ratio) + " than its EXIF and " +
                                 session.photos[one.longest].file.filename().string() + " say",
                             "switch off flicker, automatic ISO and exposure correction, and use a steady lamp"});
   }
   if (!alike.empty())
     findings.push_back(
-        {note,
+        {FindingCode::response_curve,
+         note,
          {},
          "in all views alike photos are " + alike +
              ": the camera bends brightness by a curve of its own, which burin calibrate finds from these "
@@ -173,7 +175,7 @@ void judge_strays(const Session& session, std::span<const PhotoLook> looks, std:
     std::string list;
     for (std::size_t k = 0; k < std::min<std::size_t>(stray.size(), 5); ++k)
       list += (k == 0 ? "" : ", ") + std::to_string(stray[k]);
-    findings.push_back({error, session.photos[i].file,
+    findings.push_back({FindingCode::wrong_board, error, session.photos[i].file,
                         "its tags are not this board's: it shows " + list + (stray.size() > 5 ? ", ..." : "") +
                             ", which board.json does not list",
                         "take the photo out, or give the board.json of the board that it shows"});
@@ -206,7 +208,7 @@ void judge_shutter_times(const Session& session, const std::vector<Bracket>& bra
     for (std::size_t k = 0; k < wanted.size(); ++k) {
       const double ratio = of_bracket[k].first / wanted[k].first, steps = std::max(ratio, 1 / ratio);
       if (steps > kOneStep && steps < kTwoSteps)
-        findings.push_back({note, session.photos[of_bracket[k].second].file,
+        findings.push_back({FindingCode::exif, note, session.photos[of_bracket[k].second].file,
                             "was exposed for " + shutter_text(of_bracket[k].first) + " where most views have " +
                                 shutter_text(wanted[k].first) + "; the time in its EXIF is used",
                             ""});
@@ -230,12 +232,12 @@ void judge_views(const Session& session, std::span<const PhotoLook> looks, std::
                                                          [&](int a, int b) { return factor(a) < factor(b); });
     const PhotoLook &dark = looks[*shortest], &bright = looks[*longest];
     if (dark.clipped_fraction > kMuchClipped)
-      findings.push_back({warning, session.photos[*shortest].file,
+      findings.push_back({FindingCode::exposure, warning, session.photos[*shortest].file,
                           percent(dark.clipped_fraction) + " of view " + bracket.view +
                               " (glints, paper or background) is clipped even in its shortest exposure",
                           "add an exposure 4 to 8 times shorter"});
     if (bright.bright < kTooDark)
-      findings.push_back({warning, session.photos[*longest].file,
+      findings.push_back({FindingCode::exposure, warning, session.photos[*longest].file,
                           "view " + bracket.view + " is dark: its brightest parts reach " +
                               fixed(100 * bright.bright, 1) + " % of white",
                           "add an exposure 8 times longer"});
@@ -243,7 +245,7 @@ void judge_views(const Session& session, std::span<const PhotoLook> looks, std::
       const PhotoLook& look = looks[i];
       if (look.edge_sigma_px && look.bright > kTooDark && *look.edge_sigma_px > kBlurred_px &&
           *look.edge_sigma_px > kBlurredBesideUsual * usual_edge)
-        findings.push_back({warning, session.photos[i].file,
+        findings.push_back({FindingCode::photo_quality, warning, session.photos[i].file,
                             "is blurred: its sharpest edges are " + fixed(*look.edge_sigma_px, 1) +
                                 " px wide, others' " + fixed(usual_edge, 1) + " px",
                             "focus once by hand, use a tripod, and take it again"});
@@ -252,7 +254,7 @@ void judge_views(const Session& session, std::span<const PhotoLook> looks, std::
       if (!same) continue;
       compared.push_back({i, *longest, factor(*longest) / factor(i), same->ratio});
       if (same->shift_px > kMoved_px)
-        findings.push_back({warning, session.photos[i].file,
+        findings.push_back({FindingCode::camera_moved, warning, session.photos[i].file,
                             "lies " + fixed(same->shift_px, 1) + " px aside of " +
                                 session.photos[*longest].file.filename().string() + " of the same view",
                             "use a tripod and a remote release for brackets"});
@@ -260,7 +262,8 @@ void judge_views(const Session& session, std::span<const PhotoLook> looks, std::
   }
   judge_exposures(session, compared, findings);
   if (usual_edge > kBlurred_px)
-    findings.push_back({warning,
+    findings.push_back({FindingCode::photo_quality,
+                        warning,
                         {},
                         "all photos are soft: the sharpest edges are " + fixed(usual_edge, 1) + " px wide",
                         "focus on the board's face, close the aperture to f/8, use a tripod"});
@@ -269,7 +272,8 @@ void judge_views(const Session& session, std::span<const PhotoLook> looks, std::
     if (std::find(views.begin(), views.end(), photo.view) == views.end()) views.push_back(photo.view);
   if (static_cast<int>(views.size()) < kFewViews)
     findings.push_back(
-        {warning,
+        {FindingCode::coverage,
+         warning,
          {},
          "there are photos from " + counted(views.size(), "place") + " only",
          "photograph the board from eight to twelve places, tilted, near and away from the mirror side"});
@@ -297,9 +301,10 @@ Finding wrong_size(double ratio, const TagSet& tags) {
   const double times = (paper[1] - paper[0]).norm() / first.size_mm;
   const std::string meant = std::abs(ratio * times - 1) < kWrongSize ? " (it seems to be the paper's width)" : "";
   return {
+      FindingCode::tags_misplaced,
       error,
       {},
-      "tags are " + fixed(ratio, 2) + " times as wide as size_mm says, measured between their centers: about " +
+      "tags are " + fixed(ratio, 2) + " times as wide as size_mm, measured between their centers: about " +
           fixed(ratio * first.size_mm, 2) + " mm where tag " + std::to_string(first.id) + " has " +
           fixed(first.size_mm, 2) + meant,
       "correct size_mm in board.json: the side of the square whose corners AprilTag reports, measured on the board, " +
@@ -319,7 +324,8 @@ void judge_tags(const Session& session, std::span<const PhotoLook> looks, const 
   }
   if (most == 0) {
     findings.push_back(
-        {error,
+        {FindingCode::tags_unread,
+         error,
          {},
          "no photo shows a tag of family " + tags.family + " that board.json lists",
          "give the board.json of this board, and photos with the tags sharp, 20 pixels wide at least and "
@@ -346,22 +352,25 @@ void judge_tags(const Session& session, std::span<const PhotoLook> looks, const 
     double lost = 0;
     for (const TagLook& tag : best[b]->tags) lost += tag.clipped_fraction / static_cast<double>(view.tags);
     if (view.tags < std::min(kFewTagsInView, static_cast<int>(tags.list.size())))
-      findings.push_back({warning, file,
+      findings.push_back({FindingCode::tags_unread, warning, file,
                           "view " + name + " shows " + std::to_string(view.tags) + " of the board's " +
                               std::to_string(tags.list.size()) + " tags",
                           "keep the whole board in the photo, sharp and evenly lit, or leave the photo out"});
     else if (view.side_px < kSmallTagInView_px)
-      findings.push_back({warning, file, "the tags of view " + name + " are " + fixed(view.side_px, 0) + " pixels wide",
+      findings.push_back({FindingCode::tags_small, warning, file,
+                          "the tags of view " + name + " are " + fixed(view.side_px, 0) + " pixels wide",
                           "go closer, so that the board fills the frame, or print larger tags (40 pixels are good)"});
     if (lost > kPaperClipped)
-      findings.push_back({warning, file, "the tags' white paper is clipped in every exposure of view " + name,
+      findings.push_back({FindingCode::exposure, warning, file,
+                          "the tags' white paper is clipped in every exposure of view " + name,
                           "add an exposure 4 times shorter: clipped tags cannot be measured"});
     const double moved = view.own_focal_px / std::max(coverage.focal_px, 1.0);
     // A photo determines its focal length only if the board is tilted.
     if (view.normal && view.tilt_deg > kTiltForFocal_deg && coverage.direction_deg > kOneDirection_deg &&
         view.error_px > 0.001 * best[b]->width && view.error_px > 3 * usual_error &&
         view.own_error_px < 0.5 * view.error_px && std::abs(moved - 1) > 0.05)
-      findings.push_back({warning, file, "its tags fit a focal length " + fixed(moved, 2) + " times that of the others",
+      findings.push_back({FindingCode::camera_changed, warning, file,
+                          "its tags fit a focal length " + fixed(moved, 2) + " times that of the others",
                           "leave zoom and focus alone during a session: take it again, or leave it out"});
     std::vector<double> ratios;
     for (const TagLook& tag : best[b]->tags) {
@@ -372,9 +381,8 @@ void judge_tags(const Session& session, std::span<const PhotoLook> looks, const 
     const double ratio = median_of(ratios);
     if (ratios.size() >= 3 && std::max(ratio, 1 / ratio) > kPaperBrightness)
       findings.push_back(
-          {warning, file,
-           "its paper is " + fixed(ratio, 1) +
-               " times as bright as in the other views at the exposure that its EXIF tells",
+          {FindingCode::exif, warning, file,
+           "its paper is " + fixed(ratio, 1) + " times as bright as in the other views, at the exposure of its EXIF",
            "correct exposure_s, iso or f_number in session.json, or give the photo a light of its own there if the "
            "lamp "
            "was moved or dimmed"});
@@ -383,13 +391,15 @@ void judge_tags(const Session& session, std::span<const PhotoLook> looks, const 
     findings.push_back(wrong_size(coverage.size_ratio, tags));
   if (coverage.frame_share < kLittleOfFrame)
     findings.push_back(
-        {warning,
+        {FindingCode::coverage,
+         warning,
          {},
          "the tags reach over " + percent(coverage.frame_share) + " of the frame only",
          "come nearer where the wanted places allow it, and let the board lie in the corners of some photos"});
   if (brackets.size() > 1 && coverage.direction_deg < kOneDirection_deg)
     findings.push_back(
-        {warning,
+        {FindingCode::coverage,
+         warning,
          {},
          "all photos see the board from nearly one direction, within " + fixed(coverage.direction_deg, 0) + " degrees",
          "photograph it from the left, the right, above and below, tilted by 30 to 45 degrees"});
@@ -432,7 +442,7 @@ std::vector<Finding> preflight(const Session& session, const Progress& progress)
     });
   }
   for (const std::string& what : broken)
-    if (!what.empty()) findings.push_back({error, {}, what, ""});
+    if (!what.empty()) findings.push_back({FindingCode::photo_unusable, error, {}, what, ""});
   return findings.empty() ? preflight(session, exif, looks, tags) : findings;
 }
 

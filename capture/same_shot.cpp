@@ -228,9 +228,10 @@ void pass_over_copies(std::vector<IncomingPhoto>& photos, std::vector<Finding>& 
   std::vector<Finding> notes;
   for (const auto& [copy, kept] : copies) {
     if (photos[copy].light == photos[kept].light)
-      notes.push_back({note, photos[copy].file, same_file_words(photos[kept].file), ""});
+      notes.push_back({FindingCode::photo_copy, note, photos[copy].file, same_file_words(photos[kept].file), ""});
     else
-      findings.push_back({error, photos[copy].file, "holds the same bytes as " + photos[kept].file.string(),
+      findings.push_back({FindingCode::photo_copy, error, photos[copy].file,
+                          "holds the same bytes as " + photos[kept].file.string(),
                           "one photo shows one lamp: leave it in the folder of the lamp that was on"});
   }
   add_notes(std::move(notes), findings);
@@ -242,7 +243,8 @@ void pass_over_copies(std::vector<IncomingPhoto>& photos, std::vector<Finding>& 
           photos[k].file.stem() != photos[i].file.stem() || !may_be_one_shot(photos[i].exif, photos[k].exif))
         continue;
       out[i] = true;
-      notes.push_back({note, photos[i].file, "was passed over for " + photos[k].file.filename().string(), ""});
+      notes.push_back({FindingCode::photo_copy, note, photos[i].file,
+                       "was passed over for " + photos[k].file.filename().string(), ""});
       break;
     }
   }
@@ -297,9 +299,9 @@ std::vector<bool> twins_of(const std::vector<ExifPhoto>& photos, const std::vect
     out[i] = true;
     const auto& [other, exif] = photos[*twin];
     const std::string name = other.file.filename().string();
-    said[i] = {note, photos[i].first.file,
+    said[i] = {FindingCode::photo_copy, note, photos[i].first.file,
                "was passed over for " + name +
-                   (exif.kind == photos[i].second.kind ? ", of which it is a version that was saved anew"
+                   (exif.kind == photos[i].second.kind ? ", of which it is a version that was saved again"
                                                        : ", which shows the same shot"),
                ""};
   }

@@ -23,7 +23,7 @@ Encoding encoding_of(JsonObject& object) {
   const std::string text = object.text("encoding");
   for (const auto& [encoding, name] : kEncodings)
     if (text == name) return encoding;
-  object.fail_field("encoding", "\"" + text + "\" is not known", "say \"linear\", \"srgb\" or \"raw\"");
+  object.fail_field("encoding", "\"" + text + "\" is not known", "write \"linear\", \"srgb\" or \"raw\"");
 }
 
 }  // namespace
@@ -61,7 +61,7 @@ Session read_session(const fs::path& file) {
   if (root.has("sharpening")) session.sharpening = read_sharpening(root.object("sharpening"));
   root.finish();
   require_at_most(session.photos.size(), limit::kPhotos, file.string() + ": photos", "photos",
-                  "calibrate with some of them: a few dozen from many directions tell all there is to know");
+                  "calibrate with some of them: a few dozen from many directions are enough");
   if (session.photos.empty()) root.fail_field("photos", "the list is empty", "a session needs at least one photo");
   std::error_code unknown;
   if (!fs::is_regular_file(session.board, unknown))

@@ -14,7 +14,7 @@ namespace {
 
 std::string read_lights(JsonObject& json, const std::string& fallback) {
   if (!json.has("lights")) return json.text("light", fallback);
-  if (json.has("light")) json.fail_field("lights", "stands beside light", "keep one of both");
+  if (json.has("light")) json.fail_field("lights", "contradicts light", "keep one of both");
   const Json& list = json.raw("lights");
   std::vector<std::string> names;
   for (const Json& name : list.is_array() ? list : Json::array()) {
@@ -33,7 +33,7 @@ std::string read_lights(JsonObject& json, const std::string& fallback) {
 
 White read_white(JsonObject& json, bool color) {
   const char* remedy = "give \"paper\", \"each\" or a light [r, g, b] that is to look white";
-  if (!color) json.fail_field("white", "is said of a picture in gray", "add \"color\": true, or leave it out");
+  if (!color) json.fail_field("white", "is set for a picture in gray", "add \"color\": true, or leave it out");
   if (json.raw("white").is_string()) {
     const std::string kind = json.text("white");
     if (kind == "paper") return {};
@@ -119,7 +119,7 @@ DesignSpec read_design(const std::filesystem::path& file) {
     spec.views.push_back(read_view(view, folder));
     const DesignView& v = spec.views.back();
     if (!seen.insert(v.view + " under " + v.light).second)
-      view.fail_field("view", "\"" + v.view + "\" is asked to show two pictures under \"" + v.light + "\"",
+      view.fail_field("view", "\"" + v.view + "\" has two pictures under \"" + v.light + "\"",
                       "give each picture a view or a lamp of its own");
   }
   if (spec.views.empty()) root.fail_field("views", "is empty", "name at least one view and its target");

@@ -145,9 +145,9 @@ void read_travel(JsonObject& json, MachineProfile& machine) {
   if ((machine.travel->max_mm.array() <= 0).any())
     json.fail_field("travel_mm", "reaches no farther than work zero, the board's lower left corner",
                     json.has("work_zero_mm")
-                        ? "correct work_zero_mm: what the machine's own position is at work zero"
+                        ? "correct work_zero_mm, the machine's own position at work zero"
                         : "count from work zero; or, with travel_mm as the machine counts after homing (grbl: -400 to "
-                          "0), add work_zero_mm: what its own position (MPos) is at work zero, such as [-380, -270]");
+                          "0), add work_zero_mm, its own position (MPos) at work zero, such as [-380, -270]");
 }
 
 namespace {

@@ -108,7 +108,8 @@ std::string cropped(const Image& picture, const TargetSpec& spec, double rotatio
   const auto percent = [](double share) { return std::to_string(static_cast<int>(std::lround(100 * share))) + " %"; };
   return percent(lost) + " of its " + (width_lost > height_lost ? "width" : "height") +
          " are cropped, half on either side, " + (upright ? "" : "and its corners, ") +
-         "since the carve area has another shape (\"keep\": \"top\" and the like say what stays, \"fit\": \"contain\" "
+         "since the carve area has another shape (\"keep\": \"top\" and the like choose the part that stays, \"fit\": "
+         "\"contain\" "
          "shows all of it)";
 }
 
@@ -151,7 +152,8 @@ std::vector<Target> laid_targets(const std::vector<Image>& channels, const Targe
   for (std::size_t c = 0; c < all.size(); ++c)
     all[c].picture = lay_on_area(channels[c], rotation_deg, spec, area_mm, width, height, 0.0F, scale);
   const auto warn = [&](std::string what, std::string remedy) {
-    target.findings.push_back({Finding::Severity::warning, where, std::move(what), std::move(remedy)});
+    target.findings.push_back(
+        {FindingCode::picture, Finding::Severity::warning, where, std::move(what), std::move(remedy)});
   };
   if (std::string lost = cropped(picture, spec, rotation_deg, area_mm); !lost.empty()) warn(std::move(lost), "");
   if (scale > 4)
@@ -181,8 +183,8 @@ std::vector<Target> laid_targets(const std::vector<Image>& channels, const Targe
   if (mean < kDark && bright < kHardlyAny && !spec.may_be_even)
     warn("is nearly black", "the plain face will outshine it (\"levels\" can lift it)");
   if (mean > kWhite && !spec.may_be_even)
-    warn("is nearly white: almost all of the board is to shine, and what is dark in it hardly shows",
-         "what is to be seen should be lighter than its ground: invert the picture, or choose another");
+    warn("is nearly white: almost all of the board would shine, and its dark parts hardly show",
+         "shapes should be lighter than their ground: invert the picture, or choose another");
   if (!spec.mask.empty() || spec.mask_image.width > 0) {
     const std::string mask = spec.mask_image.width > 0 ? "the mask in memory of " + where : spec.mask.string();
     double unused = 1;

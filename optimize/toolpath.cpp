@@ -84,7 +84,7 @@ void fail_unless_drawn(const ToolpathOptions& options, const std::string& extens
 /// Reports the layers of a drawing with different depths.
 void add_drawing_findings(const DrawingLayers& layers, const fs::path& out, std::vector<Finding>& findings) {
   if (layers.names.size() < 2) return;
-  findings.push_back({Finding::Severity::warning, out.string(),
+  findings.push_back({FindingCode::layers, Finding::Severity::warning, out.string(),
                       "depths differ, and a drawing has none: its scratches lie on " +
                           std::to_string(layers.names.size()) + " layers named by depth, " + layers.names.front() +
                           " to " + layers.names.back(),

@@ -22,7 +22,7 @@ std::string encoded_picture(const std::string& extension, OIIO::ImageSpec spec, 
   if (!output || !output->supports("ioproxy") || !output->set_ioproxy(&memory) || !output->open(name, spec) ||
       !output->write_image(type, pixels) || !output->close()) {
     const std::string said = output ? output->geterror() : OIIO::geterror();
-    fail(file.string(), "cannot be made: " + (said.empty() ? "OpenImageIO does not say why" : said),
+    fail(file.string(), "cannot be made: " + (said.empty() ? "OpenImageIO gives no reason" : said),
          "use .png, .jpg, .exr or .tif");
   }
   return {bytes.begin(), bytes.end()};

@@ -186,7 +186,7 @@ class HeifInput final : public OIIO::ImageInput {
     const int width = heif_image_get_width(image, heif_channel_interleaved),
               height = heif_image_get_height(image, heif_channel_interleaved);
     if (width < crop_.left + crop_.width || height < crop_.top + crop_.height) {
-      errorfmt("its container says that it is of {} x {} pixels, but {} x {} are coded in it", crop_.left + crop_.width,
+      errorfmt("its container declares {} x {} pixels, but {} x {} are coded in it", crop_.left + crop_.width,
                crop_.top + crop_.height, width, height);
       return false;
     }

@@ -57,7 +57,7 @@ std::unique_ptr<OIIO::ImageInput> open_picture(const fs::path& file, const Pictu
   const PictureHeader header = read_picture_header(file);
   const bool raw = header.kind == "raw";
   if (raw && !limits.photo)
-    fail(file.string(), "is a camera's raw file: what the sensor measured, and no picture yet",
+    fail(file.string(), "is a camera's raw file, not a developed picture",
          "export it as JPEG or PNG with the camera's program, or use the camera's own JPEG");
   require_picture_size(header.width, header.height, limits.pixels, file.string(), limits.kind, side_of(limits));
   std::string why;

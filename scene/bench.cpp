@@ -455,8 +455,8 @@ Bench read_bench(const std::filesystem::path& file) {
   if (!in_words) bench.lens = read_cameramodel(bench.camera);
   // A nominal setup is complete: only measurements can have been lost.
   if (version == 1 && bench.material_sigma.alpha)
-    bench.findings.push_back({Finding::Severity::note, file,
-                              "is of version 1, which does not say what is seen where grooves cross, nor how much they "
+    bench.findings.push_back({FindingCode::old_version, Finding::Severity::note, file,
+                              "is of version 1, which lacks the look of crossing grooves and how much grooves "
                               "differ from one another",
                               "burin refine measures both and writes version 2"});
   return bench;

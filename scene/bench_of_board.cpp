@@ -42,25 +42,26 @@ struct Settling {
   [[noreturn]] void contradict(const std::string& key, double bench_says, double believed, bool board_says) const {
     fail(bench_file,
          "material." + key + " is " + significant(bench_says, 6) + ", but " + board_file +
-             (board_says ? " says " : " does not say it, which means ") + significant(believed, 6),
+             (board_says ? " says " : " lacks it, which means ") + significant(believed, 6),
          "no photo has measured it, so it is one number: write it into board.json, and leave it out of bench.json");
   }
 
-  void note(const std::string& what) const {
-    bench.findings.push_back({Finding::Severity::note, bench_file, what, ""});
+  void note(const std::string& key, const std::string& what) const {
+    bench.findings.push_back(
+        {FindingCode::value_assumed, Finding::Severity::note, bench_file, what, "", "material." + key});
   }
 
   void number(const char* parameter, const std::string& key, bool said, bool board_says,
               const std::optional<double>& sigma, double believed, double& value) const {
     if (measured(parameter, sigma)) return;
     if (!said && !board_says)
-      note("neither this nor " + board_file + " says material." + key + "; " + significant(believed, 6) +
-           " is believed");
+      note(key, "neither this nor " + board_file + " has material." + key + "; " + significant(believed, 6) +
+                    " is believed");
     if (same(value, believed)) return;
     if (said && find_verdict(bench, parameter) == nullptr) contradict(key, value, believed, board_says);
     if (said)
-      note("the photos did not tell material." + key + ": " + board_file + "'s " + significant(believed, 6) +
-           " is believed");
+      note(key, "the photos did not determine material." + key + ": " + board_file + "'s " + significant(believed, 6) +
+                    " is believed");
     value = believed;
   }
 

@@ -61,7 +61,7 @@ TagSet read_tags(JsonObject json, const Eigen::Vector2d& size_mm) {
     json.fail_field("white_albedo", "is not greater than black_albedo", "correct one of them");
   if (json.has("list")) {
     require_at_most(json.raw("list").size(), limit::kTags, json.where() + ".list", "tags",
-                    "list fewer: a few dozen tell all there is to know");
+                    "list fewer: a few dozen are enough");
     std::set<int> ids;
     const int of_family = layout_of(tags.family, json.where()).tags;
     for (JsonObject& item : json.objects("list")) {
@@ -266,7 +266,7 @@ Board read_board(const std::filesystem::path& file) {
   if (json.has("mesh")) board.mesh = resolve_path(file, json.text("mesh"));
   if (json.has("bend")) {
     if (!board.mesh.empty())
-      json.fail_field("bend", "stands beside mesh, and a board has one shape", "keep the one that is so");
+      json.fail_field("bend", "contradicts mesh: a board has one shape", "keep the one that is so");
     board.bend = read_bend(json.object("bend"), board.size_mm);
   }
   json.finish();

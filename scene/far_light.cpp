@@ -97,7 +97,7 @@ std::shared_ptr<const Panorama> make_panorama(Image picture, const PanoramaFrame
   out->R_picture_board = axes_of(frame, where);
   if (!(irradiance(*out, Eigen::Vector3d::UnitZ()).sum() > 0))
     fail(where, "is black in all directions above the board's face",
-         "check its \"frame\": row 0 lies at +z, straight out of the face, or say \"inside\" with \"up\" and "
+         "check its \"frame\": row 0 lies at +z, straight out of the face, or write \"inside\" with \"up\" and "
          "\"middle\"");
   return out;
 }

@@ -30,7 +30,7 @@ constexpr std::array<std::pair<const char*, const char*>, 17> kWords{{{kLens, "t
                                                                       {kVignette, "the vignetting"},
                                                                       {kBlur, "the blur"},
                                                                       {kGlare, "the glare"},
-                                                                      {kStray, "the light that nobody named"}}};
+                                                                      {kStray, "the unnamed light"}}};
 
 std::string of_light(const std::string& id, const std::pair<const char*, const char*>& field) {
   return kLightPrefix + id + "." + field.first;

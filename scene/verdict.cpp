@@ -78,7 +78,8 @@ std::string tags_in_words(const Verdict& verdict) {
   for (const Cause& cause : verdict.causes)
     if (cause.kind == Cause::Kind::of_carve_area && verdict.sigma && cause.numbers[0] < kPhotosPart * *verdict.sigma &&
         !verdict.determined())
-      return "the tags' places make most of it, and no photo tells these: measure with a ruler where two tags or more "
+      return "the tags' places make most of it, and no photo determines these: measure with a ruler where two tags or "
+             "more "
              "lie from the board's edges, write their center_mm and a smaller tags.sigma_mm into board.json. Without "
              "it "
              "all pictures lie aside by as much, which hardly shows";
@@ -108,13 +109,14 @@ std::string in_words(const Cause& cause) {
     case Cause::Kind::bare_lamp:
       return "a bare lamp: taking it for a spot explains paper and face no better";
     case Cause::Kind::shines_as_a_plane:
-      return "assumed to shine to the side as a plane does, since paper and face tell no better: a fall-off exponent "
+      return "assumed to shine to the side as a plane does, since paper and face do not determine it: a fall-off "
+             "exponent "
              "of " +
              significant(n[0], 2) + "; what " + significant(n[1], 2) + " more would move is in the sigmas";
     case Cause::Kind::no_photo_under_lamp:
       return "no photo shows the board under this lamp";
     case Cause::Kind::no_paper:
-      return "no paper or plain face tells where the lamp is";
+      return "no paper or plain face determines the lamp's place";
     case Cause::Kind::paper_and_face:
       return "from paper and plain face alone; refine adds the scratches' glints";
     case Cause::Kind::model_misses:
@@ -161,12 +163,12 @@ std::string sentence(const Verdict& verdict) {
   }
   if (verdict.source == Source::given) add("given, and held fixed");
   if (verdict.source == Source::assumed)
-    add(verdict.sigma || !verdict.causes.empty() ? "left as it was believed" : "assumed; no photo was asked");
+    add(verdict.sigma || !verdict.causes.empty() ? "left as it was believed" : "assumed; no photo was used");
   if (verdict.sigma) {
     add("one sigma is " + with_unit(*verdict.sigma, verdict.unit));
     for (const Cause& cause : verdict.causes) out += of_what(cause);
-    if (verdict.degree == Degree::weakly) out += "; the photos do not tell it better than that";
-    if (verdict.degree == Degree::not_determined) out += ", so the photos do not tell it";
+    if (verdict.degree == Degree::weakly) out += "; the photos do not determine it better than that";
+    if (verdict.degree == Degree::not_determined) out += ", so the photos do not determine it";
   }
   for (const Cause& cause : verdict.causes) add(in_words(cause));
   add(tags_in_words(verdict));

@@ -86,7 +86,7 @@ void read_board_truth(JsonObject json, BenchTruth& truth) {
   if (json.has("bend")) {
     board.bend = read_bend(json.object("bend"), board.size_mm);
     if (!truth.surface.bow_mm.isZero())
-      json.fail_field("bow_mm", "stands beside bend", "a bent sheet has no bow: leave it out");
+      json.fail_field("bow_mm", "contradicts bend", "a bent sheet has no bow: leave it out");
   }
   if (json.has("tags")) {
     JsonObject tags = json.object("tags");

@@ -163,7 +163,7 @@ void write_film(const std::vector<std::string>& frames, double frames_per_s, con
       fail(out.string(), "a film is made by ffmpeg, which is not installed",
            "install it (apt install ffmpeg), or name a .png: an animated PNG, which browsers play");
     if (!fed || status != 0)
-      fail(out.string(), "ffmpeg could not write it", "see what it says above, or name a .png instead");
+      fail(out.string(), "ffmpeg could not write it", "read its message above, or name a .png instead");
   });
 }
 

@@ -59,7 +59,7 @@ PhotoLamps photo_lamps(const std::string& said, bool is_new, const std::filesyst
   else if (out.names.size() == 1)  // besides the sun, or in a room
     out.of_folder = out.names.front();
   else if (out.names.empty())
-    fail(bench_file.string(), "has no lamp whose name the photos could take", "say which with --lamp NAME");
+    fail(bench_file.string(), "has no lamp whose name the photos could take", "name it with --lamp NAME");
   return out;
 }
 
@@ -67,9 +67,8 @@ PhotoLamps photo_lamps(const std::string& said, bool is_new, const std::filesyst
 // photo at its arrival.
 void take_photos(const CaptureArguments& o, const PhotoLamps& lamps) {
   if (lamps.names.size() > 1 && o.light.empty())
-    fail("--tether", fmt::format("{} has several lamps, and photos do not tell which is on", o.bench.string()),
-         fmt::format("switch one on alone and say which: --lamp {}; then the next one",
-                     shell_word(lamps.names.front())));
+    fail("--tether", fmt::format("{} has several lamps, and a photo does not show which is on", o.bench.string()),
+         fmt::format("switch one on alone and name it: --lamp {}; then the next one", shell_word(lamps.names.front())));
   const std::filesystem::path into = lamps.names.size() > 1 ? lamp_folder(o.photos, o.light, lamps.names) : o.photos;
   Shoot shoot;
   shoot.board = read_board(o.board);

@@ -67,7 +67,7 @@ std::vector<Finding> outdated(const CarveJob& job) {
     std::vector<StageChange>& changes = state.changes;
     std::erase_if(changes, [](const StageChange& change) { return change.kind != StageChange::Kind::input; });
     if (changes.empty()) return {};
-    return {{Finding::Severity::error, job.loop->project.round(job.round) / "board.gcode",
+    return {{FindingCode::outdated, Finding::Severity::error, job.loop->project.round(job.round) / "board.gcode",
              "was written before " + in_words(changes),
              "write it again: " + loop_line(job.loop->project, "--force toolpath")}};
   }
@@ -75,7 +75,8 @@ std::vector<Finding> outdated(const CarveJob& job) {
   const auto time_of = [&](const std::filesystem::path& file) { return std::filesystem::last_write_time(file, error); };
   for (const std::filesystem::path& file : job.files.gcode)
     if (!job.files.heights.empty() && time_of(file) < time_of(job.files.heights) && !error)
-      return {{Finding::Severity::error, file, "was written before " + job.files.heights.string(),
+      return {{FindingCode::outdated, Finding::Severity::error, file,
+               "was written before " + job.files.heights.string(),
                "write it again: burin toolpath --heights " + shell_word(job.files.heights.string()) + " ..."}};
   return {};
 }
@@ -155,8 +156,9 @@ CarveJob job_of(const CarveCheckArguments& options, const CLI::App* command) {
   const bool beside = of_loop && !as_loop && has_page(at->project, at->round);
   if (job.page.empty()) job.page = round / (beside ? "carve-check-otherwise.html" : "carve-check.html");
   if (beside)
-    note("the loop checks this round under other settings (machine " +
-         (project->machine.empty() ? CarveCheckFiles().machine : project->machine) + "), and its page stays as it is");
+    note(FindingCode::settings, "the loop checks this round under other settings (machine " +
+                                    (project->machine.empty() ? CarveCheckFiles().machine : project->machine) +
+                                    "), and its page stays as it is");
   if (of_loop && job.files.gcode == own.gcode && (job.files.follow_bow || job.files.heights == own.heights)) {
     job.loop = LoopProject{at->project, read_loop_options(at->project.folder)};
     job.round = at->round;
@@ -188,7 +190,7 @@ Report run_carve_check(const CarveCheckArguments& options, const CLI::App* comma
                                       [](const Finding& f) { return f.severity == Finding::Severity::error; });
     report.failure.emplace(ErrorCode::refused, page.string(),
                            "do not carve this: " + counted(static_cast<std::size_t>(errors), "error"),
-                           "open it in a browser and correct what it says");
+                           "open it in a browser and correct these errors");
   } else {
     report.line("{}\nWrote {}: open it in a browser, and carve if it is as you want it.\n",
                 carve_question(checked, files), page.string());

@@ -37,6 +37,7 @@
 #include "tools/output_mode.h"
 #include "tools/standard_streams.h"
 #include "tools/stop_signal.h"
+#include "tools/version.h"
 
 namespace burin {
 namespace {
@@ -67,7 +68,7 @@ std::unique_ptr<CLI::App> make_app() {
   auto burin = std::make_unique<CLI::App>(
       "Design boards of scratches that show pictures, calibrate them from photos, and improve the next design",
       "burin");
-  burin->set_version_flag("--version", "burin " BURIN_VERSION);
+  burin->set_version_flag("--version", "burin " + version());
   burin->footer(
       "Run `burin help COMMAND` for options and an example, `burin help all COMMAND` for all options.\n"
       "Start with `burin new`.\n"
@@ -85,7 +86,7 @@ std::unique_ptr<CLI::App> make_app() {
       ->add_option_function<std::string>(
           "--simd", [choice](const std::string& name) { *choice = simd_choice(name, "--simd"); },
           "Use these vector instructions: sse2, avx2 or avx512; equal ones reproduce a design [default: the widest]")
-      ->type_name("NAME");
+      ->type_name("NAME:{sse2,avx2,avx512}");
   // take_output_mode() removes these before parsing (tools/output_mode.h). Here they only appear in --help.
   burin->add_flag("--quiet")->description("Print only notes, warnings and errors");
   burin->add_flag("--json")->description("Print one JSON object at the end instead of text");
@@ -417,7 +418,7 @@ int run_program(const std::vector<std::string>& arguments) {
     std::vector<std::string> line{"burin"};
     line.insert(line.end(), arguments.begin(), arguments.end());
     end_on_signals(command_text(line), std::move(words));
-    report_settled_changes([](const std::string& sentence) { note(sentence); });
+    report_settled_changes([](const std::string& sentence) { note(FindingCode::settings, sentence); });
     const ResultToOutput result(command);
     std::string text;
     exit_code = run_and_report(command, text);

@@ -311,9 +311,10 @@ void write_machine(const ReadOptions& options, const MachineProfile& machine, co
   const bool presses = machine.depth_by != DepthBy::fixed_z;
   if (presses && table.rows.empty())
     tell(
-        make_warning("no depth table: it takes two commands at the usual speed whose depths are known, and depths that "
+        make_warning(FindingCode::depth_uncertain,
+                     "no depth table: it takes two commands at the usual speed whose depths are known, and depths that "
                      "rise with them",
-                     "take the photos that the notes above ask for"));
+                     "take the photos that the notes above name"));
   const std::optional<fs::path> former = write_measured_machine(options.machine, measured, options.out);
   if (former) report.line("The former file is kept as {}\n", fact("former_file", former->string()));
   const std::string what = presses && !table.rows.empty()
@@ -339,7 +340,8 @@ Report read_coupon_files(ReadOptions options, const CLI::App& command) {
                ", and the coupon was carved by " + coupon.machine + ", whose depth_by is " + coupon.depth_by,
            "give the machine that carved it");
     if (coupon.usual_feed_mm_min != machine->carve_feed_mm_min)
-      tell(make_warning(fmt::format("{} carves at {:g} mm/min by now; the depth table will be that of {:g} mm/min",
+      tell(make_warning(FindingCode::settings,
+                        fmt::format("{} carves at {:g} mm/min by now; the depth table will be that of {:g} mm/min",
                                     machine->name, machine->carve_feed_mm_min, coupon.usual_feed_mm_min)));
     if (options.out.extension() != ".json") fail(options.out.string(), "is no .json file", "name one for --out");
     std::error_code unknown;

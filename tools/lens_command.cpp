@@ -87,7 +87,7 @@ ChessboardViews read_views(const LensArguments& options, const Chessboard& board
     return find_chessboards(options.input, board, options.window_px, bar.progress());
   }
   if (options.image_size.empty())
-    throw CLI::ValidationError("--image-size", "a table of corners does not say it: give WIDTHxHEIGHT in pixels");
+    throw CLI::ValidationError("--image-size", "a table of corners has no picture size: give WIDTHxHEIGHT in pixels");
   const auto [width, height] = pair_of(options.image_size, "--image-size");
   return read_corners(options.input, board, width, height);
 }
@@ -102,7 +102,7 @@ LensSolution solve_without_strays(ChessboardViews& found, const Chessboard& boar
     if (!(*worst > kFar_px && *worst > kFarFactor * usual) || found.views.size() <= 3) return s;
     const auto at = found.views.begin() + (worst - s.view_rms_point_px.begin());
     found.findings.push_back(
-        {Finding::Severity::warning, at->name,
+        {FindingCode::photo_omitted, Finding::Severity::warning, at->name,
          fmt::format("is left out: its corners miss by {:.2f} px RMS, the others' by {:.2f} px", *worst, usual),
          "it was moved while it was exposed, or shows another board"});
     found.views.erase(at);
@@ -159,10 +159,11 @@ Report run(const LensArguments& options) {
               fact("coverage_picture", picture.string()));
   constexpr int kFewParts = 10;
   if (parts < kFewParts)
-    tell(make_warning("the corners of the frame are not covered: the lens is a guess there",
+    tell(make_warning(FindingCode::coverage, "the corners of the frame are not covered: the lens is a guess there",
                       "add photos with the board in them"));
   for (const std::string& name : s.not_determined)
-    tell(make_warning(name + " is hardly determined", "add photos with the board tilted, in different directions"));
+    tell(make_warning(FindingCode::lens_weak, name + " is hardly determined",
+                      "add photos with the board tilted, in different directions"));
   report.line("Wrote {}; next: burin calibrate SESSION.json --camera {} --out DIR\n", options.out.string(),
               shell_word(options.out.string()));
   return report;

@@ -239,7 +239,7 @@ std::string question(const NameKind& kind, const Match& match) {
   out += fmt::format("{} places lie near it: ", match.near.size());
   for (std::size_t i = 0; i < match.near.size(); ++i)
     out += fmt::format("{}{} ({})", i == 0 ? "" : ", ", match.near[i].name, in_words(match.near[i].offset));
-  out += "; say which one it is: ";
+  out += "; name it: ";
   for (std::size_t i = 0; i < match.near.size(); ++i)
     out += (i == 0 ? "" : " or ") + option_for(kind, match, match.near[i]);
   return out;
@@ -414,14 +414,19 @@ std::vector<Finding> matched_findings(const Matching& matching, const std::files
         in_place += fmt::format("{}\"{}\" is \"{}\"", in_place.empty() ? "" : ", ", match.designed, match.measured);
         continue;
       }
-      Finding finding{near ? Finding::Severity::note : Finding::Severity::warning, where, {}, {}};
+      Finding finding{
+          FindingCode::position_changed, near ? Finding::Severity::note : Finding::Severity::warning, where, {}, {}};
       finding.what = fmt::format("{} \"{}\" of the design is \"{}\"{}, {}", kind->what, match.designed, match.measured,
                                  match.given ? " as given" : "", in_words(taken->offset));
       if (!near) finding.remedy = "the next board is designed for where it was measured";
       out.push_back(std::move(finding));
     }
     if (!in_place.empty())
-      out.push_back({Finding::Severity::note, where, std::string(kind->what) + "s in their places: " + in_place, {}});
+      out.push_back({FindingCode::position_changed,
+                     Finding::Severity::note,
+                     where,
+                     std::string(kind->what) + "s in their places: " + in_place,
+                     {}});
   }
   return out;
 }

@@ -255,7 +255,7 @@ Report run(NewArguments o) {
   if (incomplete && !person)
     throw CLI::ValidationError(
         o.folder.empty() ? "DIR" : "--pictures",
-        "is missing, and there is no terminal to ask at: burin new DIR --pictures a.jpg b.jpg c.jpg");
+        "is missing, and there is no terminal for questions: burin new DIR --pictures a.jpg b.jpg c.jpg");
   Conversation talk{std::cin, std::cout};
   if (incomplete) ask_what_is_missing(o, talk);
 
@@ -289,7 +289,8 @@ Report run(NewArguments o) {
   report.text.clear();
   for (const Finding& finding : project.bench.findings) tell(finding);
   for (const auto& [later, earlier] : same_pictures(project.pictures))
-    tell(make_warning(fmt::format("{} and {} are the same picture, which would be shown to two places",
+    tell(make_warning(FindingCode::picture,
+                      fmt::format("{} and {} are the same picture, which would be shown to two places",
                                   project.pictures[earlier].file.string(), project.pictures[later].file.string()),
                       "name it once, if that is not meant"));
   const std::string preview = write_project(project);

@@ -62,8 +62,12 @@ void replace_old_names(const std::string& command, std::size_t behind, std::vect
     const OldName* name = old_name(command, std::string_view(arguments[i]).substr(0, equals));
     if (name == nullptr) continue;
     const std::string value = *name->value == 0 ? "" : std::string(" ") + name->value;
-    note(fmt::format("{} is called {}{} now; the old name works until the next version", name->old_name, name->new_name,
-                     value));
+    tell({FindingCode::old_name,
+          Finding::Severity::note,
+          {},
+          fmt::format("{} is called {}{} now", name->old_name, name->new_name, value),
+          "the old name works until the next version",
+          name->old_name});
     if (*name->value != 0) {
       arguments[i] = std::string(name->new_name) + "=" + name->value;
     } else if (equals < arguments[i].size()) {

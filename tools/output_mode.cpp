@@ -11,6 +11,7 @@
 
 #include "burin/base/files/named_paths.h"
 #include "tools/standard_streams.h"
+#include "tools/version.h"
 
 namespace burin {
 namespace {
@@ -52,8 +53,9 @@ void add_diagnostic(const Json& diagnostic) {
 }
 
 Json diagnostic_json(const Finding& finding) {
-  Json json{{"severity", in_words(finding.severity)}};
+  Json json{{"severity", in_words(finding.severity)}, {"code", name_of(finding.code)}};
   if (!finding.file.empty()) json["file"] = finding.file.string();
+  if (!finding.field.empty()) json["field"] = finding.field;
   json["message"] = finding.what;
   if (!finding.remedy.empty()) json["remedy"] = finding.remedy;
   return json;
@@ -78,7 +80,7 @@ Json diagnostic_json(const InputError& error) {
 }
 
 Json result_json(int exit_code, const Json& diagnostics) {
-  Json json{{"format", "burin/result"}, {"version", 2}, {"burin", BURIN_VERSION}};
+  Json json{{"format", "burin/result"}, {"version", 2}, {"burin", version()}};
   if (!said.command.empty()) json["command"] = said.command;
   json["exit_code"] = exit_code;
   json["data"] = said.data;
@@ -175,7 +177,7 @@ void tell(const Finding& finding) {
     tell(std::string(in_words(finding.severity)) + ": " + sentence(finding) + "\n");
 }
 
-void note(const std::string& sentence) { tell(Finding{Finding::Severity::note, {}, sentence, ""}); }
+void note(FindingCode code, const std::string& sentence) { tell(make_note(code, sentence)); }
 
 void tell_error(const InputError& error) {
   if (is_json())

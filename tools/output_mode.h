@@ -52,7 +52,7 @@ Json to_json(const std::vector<Finding>& findings);
 void tell(const Finding& finding);
 
 /// Reports a fact that needs no action: an assumed value, an unchanged file.
-void note(const std::string& sentence);
+void note(FindingCode code, const std::string& sentence);
 
 /// Reports the error that ends the command.
 void tell_error(const InputError& error);

@@ -162,8 +162,6 @@ Inputs inputs_of_project(const std::filesystem::path& folder) {
           true};
 }
 
-Finding assumed(std::string what) { return {Finding::Severity::note, {}, std::move(what), ""}; }
-
 Inputs inputs_of_files(const std::filesystem::path& board_file, const std::filesystem::path& bench_file,
                        const std::filesystem::path& design_file) {
   Inputs in;
@@ -173,8 +171,8 @@ Inputs inputs_of_files(const std::filesystem::path& board_file, const std::files
   in.scratches = in.board.scratches;
   if (bench_file.empty()) {
     in.bench = usual_bench(in.board);
-    tell(assumed("no --bench: planned for a 50 mm lens on full frame, and a lamp " +
-                 place_in_words(in.bench.lights[0].position_mm, in.board)));
+    tell(make_note(FindingCode::value_assumed, "no --bench: planned for a 50 mm lens on full frame, and a lamp " +
+                                                   place_in_words(in.bench.lights[0].position_mm, in.board)));
   } else {
     in.bench = read_bench_of(in.board, in.board_file, bench_file);
   }
@@ -222,11 +220,13 @@ Report run(const PlanArguments& arguments) {
     sent = Sent(read_scratches(file));
   } else {
     sent = test_strokes(in.board);
-    tell(assumed(fmt::format("no scratches yet: planned with {} test strokes in all directions", sent.size())));
+    tell(make_note(FindingCode::value_assumed,
+                   fmt::format("no scratches yet: planned with {} test strokes in all directions", sent.size())));
   }
   if (in.board.tags.list.size() > kMostPlannedTags)
-    tell(assumed(fmt::format("planned with {} of the board's {} tags, spread over it: more change no place",
-                             kMostPlannedTags, in.board.tags.list.size())));
+    tell(make_note(FindingCode::value_assumed,
+                   fmt::format("planned with {} of the board's {} tags, spread over it: more change no place",
+                               kMostPlannedTags, in.board.tags.list.size())));
   for (const Finding& finding : in.lamps) tell(finding);
   plan_options.designed = in.designed;
   const PlanFocus focus = plan_focus(in.board, in.bench, in.designed, arguments.focus_mm, arguments.focus_range);

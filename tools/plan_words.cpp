@@ -99,11 +99,13 @@ std::vector<Finding> focus_findings(const Plan& plan, const PlanFocus& focus) {
   std::vector<Finding> out;
   for (const std::string& view : plan.unseen)
     out.push_back(make_warning(
+        FindingCode::tags_small,
         "from view \"" + view + "\" this lens sees no tag large enough to be measured: it is not photographed",
         "larger tags or a longer focal length would do"));
   if (plan.own_lens_widening > 1) {
     const LensScatter scatter = plan.bench.lens_scatter.value_or(LensScatter{});
     out.push_back(make_warning(
+        FindingCode::camera_changed,
         "photos have lenses of their own, by " + significant(scatter.shift_px, 2) + " px and " +
             significant(100 * scatter.focal, 2) + " % of the focal length: from the same tags cameras are known " +
             significant(plan.own_lens_widening, 2) + " times less well",
@@ -118,6 +120,7 @@ std::vector<Finding> focus_findings(const Plan& plan, const PlanFocus& focus) {
     if (!shot.view.empty() && !focus.range.holds(d * (1 - kSlack)) && !focus.range.holds(d * (1 + kSlack)) &&
         !focus.range.holds(d))
       out.push_back(make_warning(
+          FindingCode::photo_quality,
           fmt::format("view \"{}\" is seen from {:.0f} mm, outside of the one focus ({:.0f} to {:.0f} mm): its photo "
                       "will be soft",
                       shot.view, shot.camera.distance_mm, focus.range.near_mm, focus.range.far_mm),
@@ -125,6 +128,7 @@ std::vector<Finding> focus_findings(const Plan& plan, const PlanFocus& focus) {
   }
   if (!others)
     out.push_back(make_warning(
+        FindingCode::coverage,
         fmt::format(
             "from {:.0f} to {:.0f} mm this lens sees the whole board from nowhere: only the designed views are planned",
             focus.range.near_mm, focus.range.far_mm),

@@ -122,7 +122,7 @@ void report_probe(const LightProbe& p, bool with_bench, Report& report) {
         "differ by {:.1f} %\n",
         p.reflectance.x(), p.reflectance.y(), p.reflectance.z(), fact("paper_spread", 100 * p.paper_spread, "%"));
   else
-    report.line("scale    the ball reflects {:.3f}, {:.3f}, {:.3f} (red, green, blue), as told or assumed\n",
+    report.line("scale    the ball reflects {:.3f}, {:.3f}, {:.3f} (red, green, blue), as given or assumed\n",
                 p.reflectance.x(), p.reflectance.y(), p.reflectance.z());
   report.line("         light in units of {}, by exposure time, ISO and aperture\n",
               with_bench ? "the bench's lamps (its sensor.gain)" : "this camera (no bench was given)");

@@ -78,7 +78,8 @@ void take_from_project(const CLI::App& command, const ProjectSettings& settings,
   if (words.empty()) return;
   const fs::path& folder = settings.at.project.folder;
   const bool dots = folder.string().starts_with('.');  // "." and ".." are no names
-  note("from the project " + (dots ? fs::weakly_canonical(folder) : folder).string() + ": " + words);
+  note(FindingCode::settings,
+       "from the project " + (dots ? fs::weakly_canonical(folder) : folder).string() + ": " + words);
 }
 
 }  // namespace burin

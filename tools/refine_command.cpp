@@ -68,7 +68,7 @@ void print_panel(const LampSize& size, Facts lamp) {
               size.panel_mm.x(), size.panel_sigma_mm->x(), size.panel_mm.y(), size.panel_sigma_mm->y(), size.turn_deg,
               *size.turn_sigma_deg);
   else
-    lamp.line("; a panel of {:.0f} x {:.0f} mm, as told,", size.panel_mm.x(), size.panel_mm.y());
+    lamp.line("; a panel of {:.0f} x {:.0f} mm, as given,", size.panel_mm.x(), size.panel_mm.y());
 }
 
 // A screen has room for a few photos; the report has all.

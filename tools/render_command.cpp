@@ -121,7 +121,7 @@ Report run(RenderArguments o, const CLI::App& command) {
   fail_unless_sees(view, board);
   fail_unless_lights(light, board);
   if (!is_in_picture(bench, view, board))
-    tell(make_warning("view " + view.name + ": nothing of the board lies in its picture",
+    tell(make_warning(FindingCode::view_hidden, "view " + view.name + ": nothing of the board lies in its picture",
                       "check its T_camera_board and the lens in the bench"));
 
   bar.progress()("rendering", 0.2);

@@ -43,7 +43,7 @@ int exit_code_with_output_checked(int exit_code) {
   const int error = errno;
   if (!failed) return exit_code;
   tell(fmt::format(
-      "burin: standard output: what was said could not be written{}; {}\n", error == 0 ? "" : ": " + error_text(error),
+      "burin: standard output: the text could not be written{}; {}\n", error == 0 ? "" : ": " + error_text(error),
       error == 0 ? "send it to a file on a disk with room, or to a program that reads it" : error_remedy(error)));
   return exit_code == 0 ? 1 : exit_code;
 }

@@ -78,7 +78,7 @@ std::string basis_in_words(const LoopProject& loop, const std::vector<StageState
     if (const std::string words = rests_on(state); !words.empty() && (state.at.round == newest || state.at.round == 0))
       lines += fmt::format("  {}: {}\n", name_of(loop.project, state.at), words);
   if (lines.empty()) return "";
-  return fmt::format("What each{} was made from{}:\n{}", newest > 1 ? " of the newest round" : "",
+  return fmt::format("Inputs of each{}{}:\n{}", newest > 1 ? " of the newest round" : "",
                      newest > 1 ? " (--json: of all rounds)" : "", lines);
 }
 

@@ -126,8 +126,7 @@ std::string sentence_of(int number) {
            ": this is a fault in Burin or in a library that it calls, please report it with the command you gave; what "
            "is unfinished counts as nothing";
   return "stopped by " + signal_words(number) +
-         " before it was done; what is unfinished counts as nothing, and this goes on or begins anew: " +
-         wish().command_line;
+         " before it was done; unfinished work is void, and this continues or starts over: " + wish().command_line;
 }
 
 // Ends the process, unless it is already printing its own last message.
@@ -238,7 +237,7 @@ int stop_exit_code() {
 
 std::string stop_sentence(bool kept) {
   const int number = wish().number;
-  return kept ? "stopped by " + signal_words(number) + " before it was done; what there was by then is kept"
+  return kept ? "stopped by " + signal_words(number) + " before it was done; the files so far are kept"
               : sentence_of(number);
 }
 

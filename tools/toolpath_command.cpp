@@ -51,7 +51,8 @@ Scratches scratches_of(const ToolpathArguments& options, const Board& board, con
   Mended mended = mend(scratches, limits);
   bar.clear();
   if (mended.rows.size() < scratches.size())
-    tell(make_warning(fmt::format("mended: {} of {} scratches are left out, {}", scratches.size() - mended.rows.size(),
+    tell(make_warning(FindingCode::scratches_changed,
+                      fmt::format("mended: {} of {} scratches are left out, {}", scratches.size() - mended.rows.size(),
                                   scratches.size(), dropped_text(mended.dropped))));
   return std::move(mended.scratches);
 }

@@ -128,7 +128,7 @@ fs::path project_folder_of(const fs::path& file) {
     if (fs::exists(folder / "design.json") && Project{folder}.rounds() > 0) return folder;
     if (folder == folder.parent_path()) break;
   }
-  fail(file.string(), "lies in no loop project", "say which one made it: --project DIR");
+  fail(file.string(), "lies in no loop project", "name the one that made it: --project DIR");
 }
 
 Report run(const fs::path& file, const fs::path& project) {

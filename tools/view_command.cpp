@@ -60,13 +60,15 @@ Report run(ViewArguments o) {
   BoardView view = o.folder.empty() ? view_of_files(o.files, findings) : view_of_project(o.folder, findings);
   for (const ViewedBoard& board : view.boards)
     if (!is_lens_drawn(board.bench.lens)) {
-      findings.push_back(make_warning("the lens is " + board.bench.lens.model +
-                                      ", which the viewer shows as a pinhole: \"As a photo\" is bent otherwise"));
+      findings.push_back(make_warning(FindingCode::page_shortened,
+                                      "the lens is " + board.bench.lens.model +
+                                          ", which the viewer shows as a pinhole: \"As a photo\" is bent otherwise"));
       break;
     }
   std::string page = view_page(view, bar.progress());
   if (page.size() > kMostBytes && view.boards.size() > 2) {
-    findings.push_back(make_warning(fmt::format("with the next design the page would have {:.1f} MB; it is left out",
+    findings.push_back(make_warning(FindingCode::page_shortened,
+                                    fmt::format("with the next design the page would have {:.1f} MB; it is left out",
                                                 static_cast<double>(page.size()) * 1e-6)));
     view.boards.resize(2);
     page = view_page(view, bar.progress());

@@ -91,7 +91,7 @@ class Watch {
     say_summary();
     if (const int left = copies_.waiting(); left > 0 && !StopOnSignal::asked())
       fail("--copy", counted(static_cast<std::size_t>(left), "photo") + " not copied",
-           "mend what is said above, and do not delete them where they are; then the same command goes on");
+           "correct the causes above, and keep these files; then the same command continues");
   }
 
  private:
@@ -105,13 +105,12 @@ class Watch {
       std::string known;
       for (const std::string& lamp : lamps) known += (known.empty() ? "" : ", ") + lamp;
       fail("--lamp " + said, "no photos are wanted under a lamp of that name",
-           known.empty() ? "leave --lamp out: nothing tells under which lamps photos are wanted"
-                         : "choose one of: " + known);
+           known.empty() ? "leave --lamp out: no plan names the lamps" : "choose one of: " + known);
     }
     if (!options_.tether || !several_lamps()) return;
     if (said.empty())
-      fail("--tether", "photos are wanted under several lamps, and do not tell which is on",
-           fmt::format("switch one on alone and say which: burin watch {} --tether --lamp {}; then the next one",
+      fail("--tether", "photos are wanted under several lamps, and a photo does not show which is on",
+           fmt::format("switch one on alone and name it: burin watch {} --tether --lamp {}; then the next one",
                        shell_word(options_.project.string()), shell_word(lamps.front())));
     std::erase_if(project_.shoot.wanted, [&](const WantedShot& shot) { return shot.light != said; });
   }
@@ -161,9 +160,9 @@ class Watch {
     if (!shoot.wanted.empty())
       words += fmt::format("{} wanted ({}).\n", counted(shoot.wanted.size(), "shot"), project_.wanted_from);
     if (several_lamps() && !options_.tether)
-      words += fmt::format("Photos do not tell which lamp was on: put them into {}{}.\n",
+      words += fmt::format("A photo does not show which lamp was on: put photos into {}{}.\n",
                            lamp_folders_in_words(project_.photos, project_.lamps),
-                           options_.light.empty() ? ", or say which is on with --lamp NAME"
+                           options_.light.empty() ? ", or name it with --lamp NAME"
                                                   : "; others are taken to be under \"" + options_.light + "\"");
     if (!project_.plan_line.empty())
       words += "There is no plan of the further photos; it is made by: " + project_.plan_line + "\n";
@@ -224,7 +223,7 @@ class Watch {
              static_cast<double>(std::clock() - processor) / CLOCKS_PER_SEC);
     if (!options_.copy || has_errors(shoot.photos.back().faults)) return;
     if (several_lamps() && shoot.light.empty())
-      say("not copied", file, "    not copied: nothing tells which lamp was on");
+      say("not copied", file, "    not copied: the lamp is unknown");
     else
       copies_.want(file, folder_for(project_.keep, shoot.light));
   }
@@ -261,7 +260,8 @@ class Watch {
     if (project_.other_rounds.empty()) return;
     const auto other = project_.other_rounds.find(content_hash(file));
     if (other == project_.other_rounds.end()) return;
-    project_.shoot.photos.back().faults.push_back({Finding::Severity::error,
+    project_.shoot.photos.back().faults.push_back({FindingCode::wrong_board,
+                                                   Finding::Severity::error,
                                                    {},
                                                    "is, byte for byte, " + other->second + ": it shows another board",
                                                    "take it out, and photograph this round's board"});
@@ -270,12 +270,12 @@ class Watch {
   // With several lamps, `burin capture` needs to know the one that was on; here the order of the shots decides.
   void find_no_lamp(const fs::path& file) {
     if (!several_lamps() || !project_.shoot.light.empty() || file.parent_path() != project_.photos) return;
-    project_.shoot.photos.back().faults.push_back({Finding::Severity::warning,
-                                                   {},
-                                                   "lies in no lamp's folder: nothing tells which lamp was on",
-                                                   "put it into " +
-                                                       lamp_folders_in_words(project_.photos, project_.lamps) +
-                                                       ", or say which is on with --lamp NAME"});
+    project_.shoot.photos.back().faults.push_back(
+        {FindingCode::lamp_folder,
+         Finding::Severity::warning,
+         {},
+         "lies in no lamp's folder: the lamp is unknown",
+         "put it into " + lamp_folders_in_words(project_.photos, project_.lamps) + ", or name it with --lamp NAME"});
   }
 
   void rename(const fs::path& from, const fs::path& to) {

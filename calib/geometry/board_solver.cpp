@@ -54,9 +54,9 @@ struct Solver {
   std::vector<double> raw_sigma_px;  // from the detector, with the floor
   BoardSolution out;
 
-  void finding(Finding::Severity severity, const std::filesystem::path& file, const std::string& what,
-               const std::string& remedy) {
-    out.findings.push_back({severity, file, what, remedy});
+  void finding(FindingCode code, Finding::Severity severity, const std::filesystem::path& file, const std::string& what,
+               const std::string& remedy, const std::string& field = {}) {
+    out.findings.push_back({code, severity, file, what, remedy, field});
   }
   std::filesystem::path file_of(int view) const {
     for (const ViewTags& p : pictures)
@@ -81,14 +81,15 @@ struct Solver {
     for (BundleCorner& c : bundle.corners)
       if (c.view == view) c.used = false;
     if (remedy == kOddPhoto) out.odd_views.push_back(view_names[view]);
-    finding(Finding::Severity::warning, file_of(view), "view " + view_names[view] + " is left out: " + what, remedy);
+    finding(FindingCode::photo_omitted, Finding::Severity::warning, file_of(view),
+            "view " + view_names[view] + " is left out: " + what, remedy);
   }
   void drop_tag(int tag, const std::string& what, const std::string& remedy) {
     if (tag_dropped[tag]) return;
     tag_dropped[tag] = true;
     for (BundleCorner& c : bundle.corners)
       if (c.tag == tag) c.used = false;
-    finding(Finding::Severity::warning, board.tags.list.empty() ? "" : "board.json",
+    finding(FindingCode::tags_omitted, Finding::Severity::warning, board.tags.list.empty() ? "" : "board.json",
             "tag " + std::to_string(board.tags.list[tag].id) + " is left out: " + what, remedy);
   }
   void require_views() {
@@ -105,7 +106,8 @@ struct Solver {
       }
       names += "; " + sentence(f);
     }
-    fail("the session", counted(static_cast<std::size_t>(left), "usable view") + " cannot tell lens and poses" + names,
+    fail("the session",
+         counted(static_cast<std::size_t>(left), "usable view") + " do not determine lens and poses" + names,
          "photograph the board from at least " + std::to_string(needed) +
              " places, better ten, tilted in different directions, with at least " + std::to_string(options.min_tags) +
              " sharp tags each");
@@ -199,7 +201,7 @@ struct Solver {
     for (std::size_t v = 0; v < view_names.size(); ++v) {
       if (view_dropped[v]) continue;
       if (!poses.found[v])
-        drop_view(static_cast<int>(v), "its tags do not lie as board.json says",
+        drop_view(static_cast<int>(v), "its tags differ from their places in board.json",
                   "check the tags' ids and places in board.json");
       else
         bundle.views[v] = poses.T_camera_board[v];
@@ -442,10 +444,10 @@ struct Solver {
     }
     if (spread > 2 && !said_spread_) {
       said_spread_ = true;
-      finding(Finding::Severity::warning, "board.json",
+      finding(FindingCode::tags_misplaced, Finding::Severity::warning, "board.json",
               "the tags lie " + fixed(spread, 1) + " times further from their places than tags.sigma_mm (" +
                   fixed(board.tags.sigma_mm, 2) + " mm) says",
-              "raise sigma_mm, or measure center_mm again");
+              "raise sigma_mm, or measure center_mm again", "tags.sigma_mm");
     }
     return false;
   }
@@ -470,7 +472,7 @@ struct Solver {
       std::string list;
       for (std::size_t k = 0; k < in.size() && k < 5; ++k) list += (k ? ", " : "") + in[k];
       if (in.size() > 5) list += " and " + std::to_string(in.size() - 5) + " more";
-      finding(Finding::Severity::warning, {},
+      finding(FindingCode::tags_omitted, Finding::Severity::warning, {},
               "tag " + std::to_string(board.tags.list[key.first].id) + " is left out in view" +
                   (in.size() > 1 ? "s " : " ") + list + ": its corners " +
                   (key.second ? "are far from where the others have them" : "contradict the others"),
@@ -482,10 +484,10 @@ struct Solver {
         const double near = 0.25 * board.tags.list[a].size_mm;
         if (a < b && (at_a - board.tags.list[b].center_mm).norm() < near &&
             (at_b - board.tags.list[a].center_mm).norm() < near)
-          finding(Finding::Severity::warning, "board.json",
+          finding(FindingCode::tags_misplaced, Finding::Severity::warning, "board.json",
                   "tags " + std::to_string(board.tags.list[a].id) + " and " + std::to_string(board.tags.list[b].id) +
                       " lie in each other's places",
-                  "exchange their ids in tags.list");
+                  "exchange their ids in tags.list", "tags.list");
       }
   }
 
@@ -687,7 +689,7 @@ void tell_corners(Solver& s, const std::vector<Eigen::Vector2d>& residuals) {
                              c.q_px, -residuals[i], c.sigma_px, c.used});
   }
   if (single > 0)
-    s.finding(Finding::Severity::note, {},
+    s.finding(FindingCode::outliers_omitted, Finding::Severity::note, {},
               std::to_string(single) + " of " + std::to_string(s.bundle.corners.size()) +
                   " corners contradict the others and are left out",
               "residuals.vnl names them");
@@ -738,11 +740,11 @@ void tell_own_lenses(Solver& s) {
   for (std::size_t v = 0; v < s.bundle.view_lenses.size(); ++v) {
     const ViewLens& lens = s.bundle.view_lenses[v];
     if (s.view_dropped[v] || !(lens.prior.focal >= kAnyFocal)) continue;
-    s.finding(Finding::Severity::warning, s.file_of(static_cast<int>(v)),
+    s.finding(FindingCode::camera_changed, Finding::Severity::warning, s.file_of(static_cast<int>(v)),
               "view " + s.view_names[v] + " has a focal length " + fixed(lens.own.focal_ratio, 4) +
                   " times the others', its middle moved by " + fixed(lens.own.shift_px.norm(), 0) +
                   " px: a digital zoom, or a crop that was enlarged; it is measured and used so",
-              "leave zoom and pictures as they are: what is enlarged shows no more");
+              "do not zoom, crop or enlarge: an enlarged picture shows no more");
   }
   if (!s.out.lens_scatter) {
     // Only zooms move; all others share one lens.
@@ -754,7 +756,7 @@ void tell_own_lenses(Solver& s) {
   const LensScatter& scatter = *s.out.lens_scatter;
   s.out.focal_scatter = scatter.focal;
   s.finding(
-      Finding::Severity::warning, {},
+      FindingCode::camera_changed, Finding::Severity::warning, {},
       "focal lengths differ from photo to photo by " + general(100 * scatter.focal, 2) + " % and principal points by " +
           general(scatter.shift_px, 2) +
           " px, as autofocus and a stabilizer make them: each photo's are measured, at the price of larger sigmas",
@@ -781,9 +783,9 @@ void count_focal_scatter(Solver& s, const BundleOptions& o, BundleUncertainty& u
   s.out.focal_scatter = scatter;
   for (BundleCorner& c : s.bundle.corners) c.sigma_px *= times;
   u = bundle_uncertainty(s.bundle, o);
-  s.finding(Finding::Severity::warning, {},
+  s.finding(FindingCode::camera_changed, Finding::Severity::warning, {},
             "focal lengths differ from photo to photo by " + general(100 * scatter, 2) +
-                " %: the camera focused anew for some, or its zoom crept; cameras may be off by as much of their "
+                " %: the camera refocused for some, or its zoom moved; cameras may be off by as much of their "
                 "distance, which their sigmas count",
             "focus once by hand, switch autofocus off, tape the zoom ring, and take the photos again");
 }
@@ -822,7 +824,7 @@ BoardSolution solve_board(const Board& board, const std::vector<ViewTags>& pictu
   if (options.check_with_mrcal && !options.fix_lens) {
     s.out.check = check_with_mrcal(s.bundle);
     if (s.out.check->max_shift_px > 0.05)
-      s.finding(Finding::Severity::warning, {},
+      s.finding(FindingCode::lens_weak, Finding::Severity::warning, {},
                 "mrcal's own solver, started at this solution, moves corners by " +
                     fixed(s.out.check->max_shift_px, 2) + " px",
                 "the lens is poorly determined: add photos with the board tilted and near the corners of the frame");

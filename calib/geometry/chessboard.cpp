@@ -146,7 +146,7 @@ ChessboardViews find_chessboards(const std::filesystem::path& folder, const Ches
   for (std::size_t i = 0; i < photos.size(); ++i) {
     if (progress) progress("finding chessboards", static_cast<double>(i) / static_cast<double>(photos.size()));
     if (!photos[i].unreadable.empty()) {
-      out.findings.push_back({Finding::Severity::warning, {}, photos[i].unreadable, ""});
+      out.findings.push_back({FindingCode::photo_omitted, Finding::Severity::warning, {}, photos[i].unreadable, ""});
       continue;
     }
     Photo photo;
@@ -165,14 +165,14 @@ ChessboardViews find_chessboards(const std::filesystem::path& folder, const Ches
     }
     const auto corners = corners_in(eight_bits(linear.value), board, corner_window_px);
     if (!corners) {
-      out.findings.push_back({Finding::Severity::warning, photo.file,
+      out.findings.push_back({FindingCode::photo_omitted, Finding::Severity::warning, photo.file,
                               "is left out: no chessboard with " + std::to_string(board.columns) + " x " +
                                   std::to_string(board.rows) + " inner corners was found in it",
                               "keep the whole board in the photo, sharp, evenly lit, with a white margin around it"});
       continue;
     }
     if (corners->crowded)
-      out.findings.push_back({Finding::Severity::warning, photo.file,
+      out.findings.push_back({FindingCode::tags_small, Finding::Severity::warning, photo.file,
                               "its squares are small for the window in which corners are refined",
                               "try --corner-window 0, which fits it to the squares"});
     TargetView view{photo.file.filename().string(), {}, {}, {}};
@@ -205,7 +205,7 @@ ChessboardViews read_corners(const std::filesystem::path& vnl, const Chessboard&
     if (view.q_px.size() >= kFewest)
       out.views.push_back(view);
     else
-      out.findings.push_back({Finding::Severity::warning, current,
+      out.findings.push_back({FindingCode::photo_omitted, Finding::Severity::warning, current,
                               "is left out: it has " + std::to_string(view.q_px.size()) + " corners", ""});
   };
   while (table.next()) {

@@ -62,7 +62,7 @@ LensSolution solve_lens(const std::vector<TargetView>& views, int width, int hei
                         const LensSolverOptions& options) {
   const std::string where = "the photos of the target";
   if (views.size() < 3)
-    fail(where, std::to_string(views.size()) + " cannot tell a lens",
+    fail(where, std::to_string(views.size()) + " do not determine a lens",
          "take at least three, better ten, tilted in different directions");
   Bundle bundle;
   bundle.lens = plain_lens(kLadder[0], width, width, height);

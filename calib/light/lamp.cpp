@@ -122,7 +122,8 @@ LampFit fit_from_starts(const LampData& data, const LampParameters& blocks, std:
   }
   if (white < kFewestSamples) {
     findings.push_back(
-        make_warning("light " + id + ": only " + std::to_string(white) + " unclipped pieces of white tag paper",
+        make_warning(FindingCode::exposure,
+                     "light " + id + ": only " + std::to_string(white) + " unclipped pieces of white tag paper",
                      "add a shorter exposure"));
     if (count < kFewestSamples) return {};
   }
@@ -146,7 +147,8 @@ LampFit fit_from_starts(const LampData& data, const LampParameters& blocks, std:
     best = fit_lamp_parameters(data, best.blocks, no_spot, options);
   }
   if (!best.usable)
-    findings.push_back(make_warning("light " + id + ": no lamp explains the brightness of paper and face"));
+    findings.push_back(make_warning(FindingCode::lamp_unexplained,
+                                    "light " + id + ": no lamp explains the brightness of paper and face"));
   return best;
 }
 
@@ -406,10 +408,11 @@ LampSeed fit_lamps(std::span<const LightSample> samples, const Board& board, con
 
 std::vector<Finding> paper_findings(const PaperCoat& paper) {
   if (!(paper.f0 > 0)) return {};
-  return {{Finding::Severity::note,
+  return {{FindingCode::glossy_paper,
+           Finding::Severity::note,
            {},
            "the tags' paper shines: a coat that sends back " + significant(100 * paper.f0, 2) +
-               " % straight on, of roughness " + significant(paper.alpha, 2) + ", is counted in what paper tells",
+               " % straight on, of roughness " + significant(paper.alpha, 2) + ", is part of the paper's model",
            "matte paper needs no such guess"}};
 }
 
@@ -438,14 +441,16 @@ Bench with_lamps(std::span<const LightSample> samples, const Board& board, const
   bench.stray = seed.stray;
   if (bench.stray)
     findings.push_back(
-        {Finding::Severity::warning,
+        {FindingCode::stray_light,
+         Finding::Severity::warning,
          {},
-         "beside the lamp another light shines that nobody named",
+         "another light shines, which no file names",
          "burin refine measures it; better switch it off, or close the curtain, and take the photos again"});
   append(findings, paper_findings(bench.paper));
   for (std::size_t i = 0; i < bench.lights.size(); ++i)
     if (!seed.sizes[i].is_point())
-      findings.push_back({Finding::Severity::note,
+      findings.push_back({FindingCode::area_lamp,
+                          Finding::Severity::note,
                           {},
                           "light " + bench.lights[i].id + " is no point: it looks some " +
                               significant(seed.sizes[i].panel_mm.x(), 2) + " x " +

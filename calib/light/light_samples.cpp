@@ -123,7 +123,7 @@ PhotoLights lights_of(const std::string& joined, Bench& bench, std::vector<Findi
       std::string what = "photos under \"";
       what.append(joined).append("\": bench.json has no light called ").append(name);
       const Finding told = make_warning(
-          what.append(", so what comes from around is taken as even"),
+          FindingCode::value_assumed, what.append(", so what comes from around is taken as even"),
           "put the surroundings that `burin probe` made of the room into bench.json's \"lights\" under that name");
       if (std::none_of(findings.begin(), findings.end(), [&](const Finding& f) { return f.what == told.what; }))
         findings.push_back(told);
@@ -233,7 +233,8 @@ std::vector<LightView> make_light_views(std::span<const MergedView> merged, cons
     const auto view =
         std::find_if(bench.views.begin(), bench.views.end(), [&](const View& v) { return v.name == photo.view; });
     if (view == bench.views.end()) {
-      findings.push_back(make_warning("view " + photo.view + " has no camera pose and is left out"));
+      findings.push_back(
+          make_warning(FindingCode::photo_omitted, "view " + photo.view + " has no camera pose and is left out"));
       continue;
     }
     const PhotoLights lights = lights_of(photo.light, bench, findings);
@@ -246,7 +247,8 @@ std::vector<LightView> make_light_views(std::span<const MergedView> merged, cons
     constexpr int kMarginPx = 4;
     v.window = held_window(photo, board_window(board, bench, *view, photo.bin, kMarginPx));
     if (v.window.width < 16 || v.window.height < 16) {
-      findings.push_back(make_warning("view " + photo.view + " does not show the board and is left out"));
+      findings.push_back(
+          make_warning(FindingCode::photo_omitted, "view " + photo.view + " does not show the board and is left out"));
       continue;
     }
     v.value = Image(v.window.width, v.window.height, 1);

@@ -121,7 +121,7 @@ std::vector<Finding> rejected_tags(std::span<const ViewTags> pictures, const Boa
     std::map<int, std::vector<std::string>> by_tag;
     for (const auto& [view, refused] : views) {
       if (2 * refused.ids.size() > seen[view].size() && refused.ids.size() > 2) {
-        findings.push_back({Finding::Severity::warning, file[view],
+        findings.push_back({FindingCode::tags_omitted, Finding::Severity::warning, file[view],
                             std::to_string(refused.ids.size()) + " of " + std::to_string(seen[view].size()) +
                                 " tags are not used in view " + view,
                             refused.why});
@@ -133,7 +133,8 @@ std::vector<Finding> rejected_tags(std::span<const ViewTags> pictures, const Boa
       const bool known = std::any_of(board.tags.list.begin(), board.tags.list.end(),
                                      [id = id](const Tag& tag) { return tag.id == id; });
       findings.push_back(
-          {known ? Finding::Severity::warning : Finding::Severity::note,
+          {FindingCode::tags_omitted,
+           known ? Finding::Severity::warning : Finding::Severity::note,
            {},
            "tag " + std::to_string(id) + " is not used in view" + (in.size() > 1 ? "s " : " ") + listed(in),
            views[in.front()].why});
@@ -179,7 +180,8 @@ std::vector<Finding> unseen_tags(std::span<const ViewTags> pictures, const Board
     if (missed.empty()) continue;
     const bool always = missed.size() == expected.size();
     const bool often = 3 * missed.size() >= expected.size();
-    findings.push_back({always || often ? Finding::Severity::warning : Finding::Severity::note,
+    findings.push_back({FindingCode::tags_unread,
+                        always || often ? Finding::Severity::warning : Finding::Severity::note,
                         {},
                         "tag " + std::to_string(tag.id) + " should be in view" + (missed.size() > 1 ? "s " : " ") +
                             listed(missed) + (always && expected.size() > 1 ? ", all that hold its place," : "") +
@@ -502,7 +504,8 @@ std::vector<LightSample> without_local_tones(std::span<const LightView> views, s
 }
 
 Finding told(const LocalTones& tones) {
-  return make_warning("white paper is stored the darker the brighter its surroundings are (by their power of " +
+  return make_warning(FindingCode::camera_settings,
+                      "white paper is stored the darker the brighter its surroundings are (by their power of " +
                           fixed(tones.power, 2) + " +- " + fixed(tones.sigma, 2) +
                           "): the camera brightens the dark, by local tone mapping (\"HDR\", \"smart tones\"), which "
                           "nothing undoes; lamp, "

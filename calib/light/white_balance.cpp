@@ -20,7 +20,8 @@ std::vector<Finding> check_white_balance(const Session& session) {
     if (chosen++ == 0) first = photo.file.filename().string();
   }
   if (chosen == 0) return {};
-  return {make_warning("the camera chose the white balance of " + std::to_string(chosen) + " of the " +
+  return {make_warning(FindingCode::camera_settings,
+                       "the camera chose the white balance of " + std::to_string(chosen) + " of the " +
                            std::to_string(session.photos.size()) + " photos itself (" + first +
                            "): lamps' colors are not to be trusted, since each lamp then looks nearly white",
                        "set the camera to one fixed balance (daylight) for all lamps, or take raw photos; places and "

@@ -118,7 +118,8 @@ void leave_out(const std::vector<StrangeRegion>& regions, const Problem& data, s
 
 Finding told(const StrangeRegion& region) {
   const Eigen::Vector2d size = region.max_mm - region.min_mm, middle = 0.5 * (region.min_mm + region.max_mm);
-  return make_warning("a region of " + fixed(size.x(), 0) + " x " + fixed(size.y(), 0) + " mm at (" +
+  return make_warning(FindingCode::region_omitted,
+                      "a region of " + fixed(size.x(), 0) + " x " + fixed(size.y(), 0) + " mm at (" +
                           fixed(middle.x(), 0) + ", " + fixed(middle.y(), 0) + ") mm does not look like the board in " +
                           std::to_string(region.strange_in) + " of " + std::to_string(region.seen_in) +
                           " photos: a sticker, or fingerprints? It is left out of the fit",

@@ -196,7 +196,7 @@ std::vector<Place> likely_places(const Problem& data, const Stage& stage, const 
   std::vector<Place> places = sky(data, state, step);
   for (std::size_t i = 0; i < places.size(); ++i) {
     if (progress && i % 16 == 0)
-      progress("looking for light that nobody named", static_cast<double>(i) / static_cast<double>(places.size()));
+      progress("looking for unnamed lights", static_cast<double>(i) / static_cast<double>(places.size()));
     weigh(data, state, carved, left, places[i]);
   }
   return places;
@@ -237,7 +237,7 @@ double cost_with_stray(const std::vector<StrayNumbers>& places, Problem data, co
   double least = std::numeric_limits<double>::infinity();
   for (const StrayNumbers& place : places) {
     State trial = with_stray(state, place);
-    solve(data, with, iterations, 1e-4, trial, progress, "fitting light that nobody named");
+    solve(data, with, iterations, 1e-4, trial, progress, "fitting unnamed lights");
     if (!grazes(trial.block(unknown::stray))) least = std::min(least, cost_of(data, trial, 1));
   }
   return least;
@@ -249,7 +249,7 @@ bool fit_stray_light(const std::vector<StrayNumbers>& places, Problem& data, Sta
   constexpr double kShare = 0.01;  // of the photos' cost
   const auto fitted = [&](const Stage& with, State trial) {
     constexpr int kIterations = 12;
-    solve(data, with, kIterations, 1e-4, trial, progress, "fitting light that nobody named");
+    solve(data, with, kIterations, 1e-4, trial, progress, "fitting unnamed lights");
     return trial;
   };
   const std::vector<double> before = costs_of_photos(data, fitted(others, state));

@@ -46,6 +46,7 @@ void judge_spots(const Problem& data, const State& state, Bench& bench, std::vec
     if (!on_it) continue;
     const std::string& id = bench.lights[light].id;
     out.push_back(make_warning(
+        FindingCode::parameter_at_bound,
         "axis and fall-off of light " + id + " ran to the end of what is possible: these photos do not hold them",
         "tags all around the board hold them, if their white paper is not clipped in a photo"));
     for (const std::string& name : {parameter::light_axis(id), parameter::light_falloff(id)})
@@ -73,7 +74,8 @@ std::vector<Finding> judge_bounds(const Problem& data, const Stage& stage, const
     const auto held = std::find_if(kHeld.begin(), kHeld.end(), [&](const Held& h) { return h.index == first; });
     if (held == kHeld.end() || !stage.frees(row.group) || !is_on_bound(data, state, first)) return;
     const double value = state.block(first)[row.bounds.at];
-    out.push_back(make_warning(parameter::in_words(held->name) + " ran to " + significant(std::exp(value), 3) +
+    out.push_back(make_warning(FindingCode::parameter_at_bound,
+                               parameter::in_words(held->name) + " ran to " + significant(std::exp(value), 3) +
                                    ", the end of what is possible: these photos do not hold it",
                                held->by));
     Verdict& verdict = bench.verdict[held->name];

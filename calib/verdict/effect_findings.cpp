@@ -12,10 +12,6 @@
 namespace burin {
 namespace {
 
-Finding note(const std::string& what, const std::string& remedy = "") {
-  return {Finding::Severity::note, {}, what, remedy};
-}
-
 // Empty for a number that a person gave.
 std::string plus_minus(const std::optional<double>& sigma) { return sigma ? " +- " + significant(*sigma) : ""; }
 
@@ -57,9 +53,10 @@ void tell_profile(const Bench& bench, const Board& board, std::vector<Finding>& 
   what.back() = ',';
   const bool told = board.said.profile && !sigma.flank_deg && !sigma.across && !sigma.burr_left_um;
   out.push_back(
-      told ? note(what + " as board.json says")
-           : note(what + " as the photos have it; burrs, roughness and depth trade with each other in photos",
-                  "a look through a microscope decides: write what it shows into board.json, material.profile"));
+      told ? make_note(FindingCode::groove_profile, what + " as in board.json")
+           : make_note(FindingCode::groove_profile,
+                       what + " as the photos have it; burrs, roughness and depth trade with each other in photos",
+                       "a look through a microscope decides: write what it shows into board.json, material.profile"));
 }
 
 // Direction of the unmodeled light from the board's middle, and its brightness there relative to the lamp.
@@ -75,8 +72,9 @@ Finding tell_stray(const Bench& bench, const Eigen::Vector2d& board_size_mm) {
   double brightest = 0;
   for (const Light& light : bench.lights)
     if (light.is_near()) brightest = std::max(brightest, light_on_middle(light));
-  return note(
-      "beside the lamp another light shines that nobody named: " + fixed(degrees, 0) +
+  return make_note(
+      FindingCode::stray_light,
+      "another light shines, which no file names: " + fixed(degrees, 0) +
           " degrees from straight above the board's middle, towards " +
           fixed(azimuth < 0 ? azimuth + 360 : azimuth, 0) + " degrees from x counter-clockwise, with " +
           significant(100 * light_on_middle(*bench.stray) / brightest, 2) + " % of the lamp's light there",
@@ -89,16 +87,19 @@ Finding tell_stray(const Bench& bench, const Eigen::Vector2d& board_size_mm) {
 std::vector<Finding> effect_findings(const Bench& bench, const Board& board) {
   std::vector<Finding> out;
   const Material& m = bench.material;
-  if (!m.grain.none()) out.push_back(note(tell_grain(m, bench.material_sigma)));
+  if (!m.grain.none()) out.push_back(make_note(FindingCode::groove_variation, tell_grain(m, bench.material_sigma)));
   const MachineErrors& errors = bench.machine_errors;
   if (!errors.backlash_mm.isZero(0))
-    out.push_back(note(
+    out.push_back(make_note(
+        FindingCode::machine_errors,
         "the machine has backlash of " + measured(errors.backlash_mm, errors.backlash_sigma_mm, 3) + " mm in x and y",
         "tool paths written with this bench undo it"));
   if (errors.uneven())
-    out.push_back(note("the machine's screws add a sine of " + measured(errors.screw_mm(), errors.screw_sigma_mm, 3) +
-                           " mm every " + measured(errors.screw_period_mm, {}, 2) + " mm to x and y",
-                       "tool paths written with this bench undo it at the ends of scratches"));
+    out.push_back(make_note(FindingCode::machine_errors,
+                            "the machine's screws add a sine of " +
+                                measured(errors.screw_mm(), errors.screw_sigma_mm, 3) + " mm every " +
+                                measured(errors.screw_period_mm, {}, 2) + " mm to x and y",
+                            "tool paths written with this bench undo it at the ends of scratches"));
   if (!m.profile.is_paper()) tell_profile(bench, board, out);
   append(out, paper_findings(bench.paper));
   if (bench.stray) out.push_back(tell_stray(bench, board.size_mm));

@@ -120,10 +120,11 @@ std::vector<Finding> keep_colors(std::span<const Light> given, const std::set<st
     kept += (kept.empty() ? "" : ", ") + light.id;
   }
   if (kept.empty()) return {};
-  return {{Finding::Severity::note,
+  return {{FindingCode::color_unmeasured,
+           Finding::Severity::note,
            {},
-           "no photo in color shows " + kept + ": brightness is measured, color is as the bench said",
-           "photos in color under each lamp alone tell it"}};
+           "no photo in color shows " + kept + ": brightness is measured, color is as in the bench",
+           "take photos in color under each lamp alone"}};
 }
 
 namespace {
@@ -284,7 +285,8 @@ void tell_other_grooves(const Board& board, const std::vector<std::string>& expl
   std::string list;
   for (const std::string& view : out.other_grooves) list += (list.empty() ? "" : ", ") + view;
   if (list.empty()) return;
-  out.findings.push_back(make_warning("view" + std::string(several ? "s " : " ") + list + " show" +
+  out.findings.push_back(make_warning(FindingCode::wrong_grooves,
+                                      "view" + std::string(several ? "s " : " ") + list + " show" +
                                           (several ? "" : "s") + " other grooves than " +
                                           (board.scratches.empty() ? "the scratches" : board.scratches.string()) +
                                           " lists: photos of another board or round, or under a lamp that was moved?",
@@ -321,6 +323,7 @@ std::vector<std::string> tell_misfits(const Uncertainty& uncertainty, const Sess
   for (const std::string& view : odd) odd_list += (odd_list.empty() ? "" : ", ") + view;
   if (change)
     out.findings.push_back(make_warning(
+        FindingCode::lamp_moved,
         "the lamp was moved between " + change->photo_before + " and " + change->photo_after + ": views " + odd_list +
             ", all taken " + (change->odd_after ? "after" : "before") +
             " it, are lit otherwise than the rest; sigmas count that",
@@ -333,6 +336,7 @@ std::vector<std::string> tell_misfits(const Uncertainty& uncertainty, const Sess
                             significant(std::abs(m.depth_percent)) + " %, base_alpha by " +
                             significant(std::abs(m.base_alpha_percent)) + " %";
     out.findings.push_back(make_warning(
+        FindingCode::model_misfit,
         of_photo
             ? "the model is not enough: its residuals in " + m.test + " are " + significant(m.sigmas) +
                   " times those in the others, and without it the answer moves, " + off + "; sigmas count that"

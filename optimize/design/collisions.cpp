@@ -44,6 +44,7 @@ AskedPlaces look_at_places(const std::vector<GlintView>& views, const Eigen::Vec
 Finding one_told(const Collision& c, const std::vector<GlintView>& views) {
   const bool curved = views[c.a].face != nullptr;
   return make_warning(
+      FindingCode::views_collide,
       "views " + views[c.a].name + " and " + views[c.b].name + ": collide: their scratches run only " +
           in_degrees(c.apart) + " degrees apart " + (curved ? "in the middle " : "") +
           "(a scratch counts modulo 180 degrees), so one made for one shows " + in_percent(c.ghost) +
@@ -96,6 +97,7 @@ std::vector<Finding> told(const std::vector<Collision>& collisions, const std::v
   for (const Collision& c : collisions)
     if (c.b != c.a + 1) stranger = std::max(stranger, c.ghost);
   findings.push_back(make_warning(
+      FindingCode::views_collide,
       std::to_string(collisions.size()) + " of " + std::to_string(views.size() * (views.size() - 1) / 2) +
           " pairs of views collide: scratches made for one show more than 10 % of their light in the other (" + worst +
           "); " + std::to_string(neighbors) + " of the pairs are neighbors in the list" +

@@ -174,12 +174,13 @@ std::vector<Finding> check_colors(const DesignView& view, const LampColors& colo
         "is to be shown in color, and " + (colors.size() == 1 ? "has one light alone (" + view.light + ")"
                                                               : "all its lights (" + view.light + ") are of one color"),
         "name several of different colors at different places, \"lights\": [\"red\", \"green\", \"blue\"], or leave "
-        "out \"color\" to show it in gray; photos of a bench tell lamps' colors where they are in color, one lamp "
+        "out \"color\" to show it in gray; photos determine lamps' colors if they are in color, one lamp "
         "each");
   const double db =
       color_psnr_db(in_color(nearest[0], nearest[1], nearest[2]), in_color(*target[0], *target[1], *target[2]), mask);
   if (db >= kFair_db) return {};
-  return {make_warning("view " + view.view + ": its lights (" + view.light +
+  return {make_warning(FindingCode::colors_mixed,
+                       "view " + view.view + ": its lights (" + view.light +
                            ") cannot mix all colors of the picture: the nearest that they can is " + fixed(db, 1) +
                            " dB from it",
                        "add a light of what is missing, or take lights of purer colors")};
@@ -193,7 +194,7 @@ std::vector<Finding> check_gray(const DesignView& view, const Bench& bench) {
     for (const Light& b : lights) widest = std::max(widest, angle_between(a.intensity, b.intensity));
   constexpr double kPlain = 0.5;  // radians: red and green are pi / 2 apart
   if (widest < kPlain) return {};
-  return {{Finding::Severity::note, "design",
+  return {{FindingCode::colors_mixed, Finding::Severity::note, "design",
            "view " + view.view + ": its lights (" + view.light +
                ") differ in color, and its picture is shown in gray, by all of them together",
            "add \"color\": true to it to have the picture in color"}};

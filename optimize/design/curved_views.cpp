@@ -50,7 +50,8 @@ std::vector<Finding> check_seen(const std::string& view, const FootprintGrid& gr
            "move the " + std::string(who) + " to the front of the board, or bend it less");
   std::vector<Finding> findings;
   if (seen < 1)
-    findings.push_back({Finding::Severity::note,
+    findings.push_back({FindingCode::view_hidden,
+                        Finding::Severity::note,
                         {},
                         where + ": " + fixed(100 * (1 - seen), 1) +
                             " % of the carve area are not seen from there, for the board turns away or hides itself; "
@@ -58,6 +59,7 @@ std::vector<Finding> check_seen(const std::string& view, const FootprintGrid& gr
                         ""});
   if (lit < 1)
     findings.push_back(make_warning(
+        FindingCode::view_hidden,
         where + ": " + fixed(100 * (1 - lit), 1) +
             " % of the carve area are not reached by its lamp, for the board turns away or hides itself: dark there",
         "move the lamp further in front of the board"));
@@ -67,7 +69,8 @@ std::vector<Finding> check_seen(const std::string& view, const FootprintGrid& gr
 std::vector<Finding> check_stretch(const BoardFace& face, const std::string& mesh_file) {
   constexpr double kMuch = 0.03;  // relative error of the grooves' widths and lengths
   if (face.mesh == nullptr || face.mesh->most_stretch() <= kMuch) return {};
-  return {make_warning(mesh_file + " stretches or squeezes the flat board by up to " +
+  return {make_warning(FindingCode::mesh_stretched,
+                       mesh_file + " stretches or squeezes the flat board by up to " +
                            fixed(100 * face.mesh->most_stretch(), 1) +
                            " %, which a sheet that is only bent does not: scratches come to lie elsewhere by as much",
                        "bend the mesh without stretching it, or make uv of its true lengths")};

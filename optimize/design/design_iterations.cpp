@@ -466,8 +466,9 @@ void DesignRun::keep_to_budget(double allowed_s) {
     if (now_s <= allowed_s) return;
     if (deadline_.wished()) {
       result_.findings.push_back(make_warning(
+          FindingCode::carve_time,
           "was stopped before its scratches were few enough: they take " + fixed(now_s / 3600, 1) + " hours to carve",
-          "go on with it, or design anew"));
+          "continue it, or design again"));
       return;
     }
     report("keeping to the carving time", 0);

@@ -59,7 +59,7 @@ DesignRun::DesignRun(const DesignSpec& spec, const Board& board, const Bench& be
       deadline_(options.time_limit_s, options.stop) {
   check_options(options, board);
   if (spec.scratches < 1 || spec.views.empty())
-    fail("design", "no scratches or no views were asked for", "ask for at least one of each");
+    fail("design", "there are no scratches or no views", "give at least one of each");
 }
 
 DesignResult DesignRun::run() {
@@ -71,10 +71,11 @@ DesignResult DesignRun::run() {
     improve_start();
   } while (looks_too_closely() || is_crowded() || start_with_less_to_cut());
   if (too_many_to_cut_ > 0)
-    result_.findings.push_back(make_warning(std::to_string(too_many_to_cut_) +
-                                            " scratches would cross each other too often for their crossings to be "
-                                            "cut: began with " +
-                                            std::to_string(movable_)));
+    result_.findings.push_back(make_warning(FindingCode::scratch_count,
+                                            std::to_string(too_many_to_cut_) +
+                                                " scratches would cross each other too often for their crossings to be "
+                                                "cut: began with " +
+                                                std::to_string(movable_)));
   if (pixels_ < asked_pixels() && options_.note_few_strokes)
     result_.findings.push_back(pixels_were_chosen(views_, movable_ + carved_.size(), bench_.crossings));
   iterate();
@@ -210,9 +211,10 @@ void DesignRun::start_strokes() {
   std::vector<StrokeView> light = stroke_views(views_, log_exposure_, true);
   scratches_ = scratches_of(place_strokes(light, rules_, movable_, options_.seed, enough));
   if (scratches_.size() < movable_ && enough())
-    result_.findings.push_back(make_warning("the start was ended early: " + std::to_string(scratches_.size()) + " of " +
-                                            std::to_string(movable_) +
-                                            " scratches begin where the pictures want them, the rest anywhere"));
+    result_.findings.push_back(make_warning(FindingCode::start_cut_short,
+                                            "the start was ended early: " + std::to_string(scratches_.size()) + " of " +
+                                                std::to_string(movable_) +
+                                                " scratches begin where the pictures want them, the rest anywhere"));
   // If the model finds no further gain, the rest starts at random places: re-insertion may still find places for them.
   scratches_ =
       joined(scratches_, random_start(movable_ - scratches_.size(), limits_, mean_length_mm_, options_.seed + 1),
@@ -227,9 +229,10 @@ bool DesignRun::start_with_fewer() {
   const double hours = carving_time_s(scratches_, bench_.material.depth_um, options_.carve_machine) / 3600;
   const auto fewer = static_cast<std::size_t>(kMore * options_.carve_hours / hours * static_cast<double>(movable_));
   if (!(hours > 1.1 * kMore * options_.carve_hours) || fewer == 0) return false;
-  result_.findings.push_back(make_warning(std::to_string(movable_) + " scratches would take " + fixed(hours, 1) +
-                                          " hours to carve: began with " + std::to_string(fewer) + " for the " +
-                                          fixed(options_.carve_hours, 1) + " there are"));
+  result_.findings.push_back(
+      make_warning(FindingCode::carve_time, std::to_string(movable_) + " scratches would take " + fixed(hours, 1) +
+                                                " hours to carve: began with " + std::to_string(fewer) + " for the " +
+                                                fixed(options_.carve_hours, 1) + " there are"));
   movable_ = fewer;
   return true;
 }
@@ -270,9 +273,10 @@ bool DesignRun::is_crowded() {
       std::max(*fewer > carved_.size() ? *fewer - carved_.size() : 0, std::max<std::size_t>(*fewer / 5, 1));
   if (fewer_new >= movable_) return false;
   result_.findings.push_back(
-      make_warning(std::to_string(movable_) + " scratches would cover the carve area " + fixed(cover, 1) +
-                   " times and cut each other's rims away, and with them most of their light: began with " +
-                   std::to_string(fewer_new) + ", which show more"));
+      make_warning(FindingCode::scratch_count,
+                   std::to_string(movable_) + " scratches would cover the carve area " + fixed(cover, 1) +
+                       " times and cut each other's rims away, and with them most of their light: began with " +
+                       std::to_string(fewer_new) + ", which show more"));
   movable_ = fewer_new;
   return true;
 }
@@ -399,10 +403,11 @@ void DesignRun::warn_if_hardly_any_is_left() {
   const std::size_t left = result_.scratches.size() - result_.carved;
   if (static_cast<double>(left) > kHardlyAny * static_cast<double>(result_.started_with)) return;
   result_.findings.push_back(make_warning(
+      FindingCode::scratch_count,
       "only " + std::to_string(left) + " of " + counted(result_.started_with, "scratch") +
           " showed anything, so the board will show next to nothing" +
           (shown_ > 1 ? ": the " + std::to_string(shown_) +
-                            " views ask the same scratches for different pictures, or see them too weakly"
+                            " views need the same scratches for different pictures, or see them too weakly"
                       : ": the view sees them too weakly"),
       "design for fewer views, further apart, or move the lamp; burin sheet draws where eyes and lamps are"));
 }

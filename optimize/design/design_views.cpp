@@ -227,7 +227,7 @@ std::vector<int> exposing_channels(const DesignView& v, const std::vector<Target
     out.push_back(black ? brightest : c);
     if (!black) continue;
     const auto name = [](int channel) { return std::string(kChannelNames[static_cast<std::size_t>(channel)]); };
-    findings.push_back({Finding::Severity::note, "design",
+    findings.push_back({FindingCode::colors_mixed, Finding::Severity::note, "design",
                         "view " + v.view + ": its picture has hardly any " + name(c) +
                             " to set a brightness by; it is shown as bright as " + name(brightest),
                         ""});
@@ -383,9 +383,10 @@ std::vector<WorkView> lay_views(const DesignSpec& spec, const Board& board, cons
                width, height);
   if (!free.data.empty())
     findings.push_back(
-        make_warning(percent_text(1 - mean_value(free)) +
-                     " % of the carve area lie under keep-outs or tags: nothing is carved there, and the pictures "
-                     "are not compared there"));
+        make_warning(FindingCode::area_covered,
+                     percent_text(1 - mean_value(free)) +
+                         " % of the carve area lie under keep-outs or tags: nothing is carved there, and the pictures "
+                         "are not compared there"));
   std::vector<LaidView> laid;
   for (std::size_t k = 0; k < spec.views.size(); ++k) {
     laid.push_back(lay(spec.views[k], board, bench, width, height));

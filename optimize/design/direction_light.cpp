@@ -117,10 +117,10 @@ std::vector<Finding> check_directions(const std::vector<MeasuredView>& views) {
     const std::string what = "view " + v.name + ": under " + v.light + " a scratch of the best direction sends " +
                              coarse(contrast) + " times the light of one of the worst";
     if (contrast < kLittle)
-      findings.push_back(make_warning(what + ": the picture's darks will be gray",
+      findings.push_back(make_warning(FindingCode::direction_light, what + ": the picture's darks will be gray",
                                       "seek a smaller and brighter light, or cover a part of the surroundings"));
     else
-      findings.push_back({Finding::Severity::note, "design", what, ""});
+      findings.push_back({FindingCode::direction_light, Finding::Severity::note, "design", what, ""});
   }
   // Lights of one view in color have their own names.
   const auto called = [&](const MeasuredView& v) {
@@ -139,7 +139,8 @@ std::vector<Finding> check_directions(const std::vector<MeasuredView>& views) {
       const DirectionLight& d = views[a].directions;
       const double other = (d.at(best_of(views[b].directions)) - d.least) / std::max(1e-12, d.best - d.least);
       if (other < kGhost) continue;
-      findings.push_back(make_warning("views " + called(views[a]) + " and " + called(views[b]) +
+      findings.push_back(make_warning(FindingCode::views_collide,
+                                      "views " + called(views[a]) + " and " + called(views[b]) +
                                           ": collide: a scratch made for " + called(views[b]) + " shows " +
                                           std::to_string(std::lround(100 * other)) + " % of its light in " +
                                           called(views[a]),

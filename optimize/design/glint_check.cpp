@@ -85,19 +85,22 @@ std::vector<Finding> check_glints(const std::vector<GlintView>& views, const Eig
            remedy);
     if (reached.dark > 0)
       findings.push_back(
-          make_warning(where + ": on " + std::to_string(std::lround(100 * reached.dark)) +
+          make_warning(FindingCode::lamp_angle,
+                       where + ": on " + std::to_string(std::lround(100 * reached.dark)) +
                            " % of the carve area the half vector leans beyond the grooves' steepest wall (" +
                            degrees(reached.shallowest) + " degrees, up to " + degrees(reached.most_lean) +
                            "), where scratches show less than half their light",
                        remedy));
     if (view.face != nullptr && reached.mirror > 0)
       findings.push_back(make_warning(
+          FindingCode::lamp_angle,
           where + ": on " + std::to_string(std::lround(100 * reached.mirror)) +
               " % of the carve area the curved board lies near the mirror direction, where scratches of any direction "
               "glint and the plain face shines",
           "move the lamp or the eye along the cylinder's axis"));
     else if (view.face == nullptr && near_mirror(lean.angle, alpha))
-      findings.push_back(make_warning(where + ": lies near the mirror direction (the half vector leans " +
+      findings.push_back(make_warning(FindingCode::lamp_angle,
+                                      where + ": lies near the mirror direction (the half vector leans " +
                                           degrees(lean.angle) +
                                           " degrees), where scratches of any direction glint and the plain face shines",
                                       "move the lamp or the eye"));

@@ -214,7 +214,7 @@ std::vector<Finding> check_lamps(const std::vector<ServedGlint>& served, const L
                            fixed(180.0 / static_cast<double>(served.size()), 1) +
                            "), and one made for one shows at most " + percent(now.worst_ghost) +
                            " of its light in another";
-  if (now.worst_ghost < kGhost) return {{Finding::Severity::note, "design", what, ""}};
+  if (now.worst_ghost < kGhost) return {{FindingCode::views_collide, Finding::Severity::note, "design", what, ""}};
   const std::vector<LampPlace> places = better_lamps(served, question);
   std::vector<ServedGlint> moved = served;
   std::string words;
@@ -225,10 +225,10 @@ std::vector<Finding> check_lamps(const std::vector<ServedGlint>& served, const L
   }
   const LampAngles then = places.empty() ? now : angles_of(moved, p_mm, question.alpha);
   const bool better = then.worst_ghost < 0.7 * now.worst_ghost;
-  return {make_warning(what + " (" + served[now.a].glint.name + ", " + served[now.b].glint.name + ")",
-                       better
-                           ? "with lamps (position_mm) " + words + " that would be at most " + percent(then.worst_ghost)
-                           : "take fewer views or lamps, smoother grooves, or half vectors that lean more")};
+  return {make_warning(
+      FindingCode::views_collide, what + " (" + served[now.a].glint.name + ", " + served[now.b].glint.name + ")",
+      better ? "with lamps (position_mm) " + words + " that would be at most " + percent(then.worst_ghost)
+             : "take fewer views or lamps, smoother grooves, or half vectors that lean more")};
 }
 
 std::vector<Finding> lamps_in_color(const DesignSpec& spec, const Board& board, const Bench& bench) {

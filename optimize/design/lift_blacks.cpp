@@ -28,10 +28,10 @@ std::vector<Finding> lift_blacks(std::vector<WorkView>& views, double share, con
     for (float& tone : v.target.picture.data) tone = static_cast<float>(black + (1 - black) * tone);
     v.loss = PictureLoss(with_gamma_offset(v.target.picture), v.target.mask, times(v.spec.weight * v.share, weights));
     if (v.aside) continue;
-    out.push_back({Finding::Severity::note, "design",
+    out.push_back({FindingCode::blacks_lifted, Finding::Severity::note, "design",
                    "view " + v.spec.view + ": nothing is dark under its light, so the picture's black was taken for " +
                        fixed(100 * black, 0) + " % of white's tone, and the tones above it to scale",
-                   "--lift-blacks 0 asks for black"});
+                   "set --lift-blacks 0 for black"});
   }
   return out;
 }

@@ -49,13 +49,12 @@ std::optional<int> fewer_pixels(int pixels, double a_stroke, bool crowd) {
 
 Finding pixels_were_chosen(const std::vector<WorkView>& views, std::size_t strokes, Crossings crossings) {
   const int pixels = longer_side(views);
-  return {Finding::Severity::note, "design",
+  return {FindingCode::picture_pixels, Finding::Severity::note, "design",
           "pictures are made of " + std::to_string(pixels) + " pixels along the longer side, which eyes more than " +
               distance_m(views.front().pitch_mm) + " away do not see apart: to fill more, " +
               counted(strokes, "scratch") + " would be drawn long, and the pictures coarse",
           std::string(crossings == Crossings::add ? "more scratches" : "a larger board, a sharper tool") +
-              " or fewer pictures show more; --pixels " + std::to_string(kUsualPixels) +
-              " asks for finer ones all the same"};
+              " or fewer pictures show more; --pixels " + std::to_string(kUsualPixels) + " sets finer ones"};
 }
 
 std::optional<Finding> pixels_are_many(const std::vector<WorkView>& views, std::size_t strokes, Crossings crossings) {
@@ -70,7 +69,7 @@ std::optional<Finding> pixels_are_many(const std::vector<WorkView>& views, std::
   if (fewer >= kStillAPicture)
     remedy = "for eyes that are more than " + distance_m(larger * views.front().pitch_mm) + " away --pixels " +
              std::to_string(fewer) + " shows more; or " + remedy;
-  return Finding{Finding::Severity::warning, "design",
+  return Finding{FindingCode::scratch_count, Finding::Severity::warning, "design",
                  counted(strokes, "scratch") + (strokes == 1 ? " is" : " are") + " few for these pictures, " +
                      std::to_string(std::lround(each)) +
                      " pixels to a stroke: they will be drawn long, and the pictures coarse",

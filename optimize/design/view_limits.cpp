@@ -115,7 +115,7 @@ Finding limits_in_words(const std::string& view, double psnr_db, const ViewLimit
     if (limit.db >= kFelt)
       cost += (cost.empty() ? "" : ", ") + std::string(limit.what) + " " + fixed(limit.db, 1) + " dB";
   const bool any = !cost.empty();
-  return {Finding::Severity::note, "design",
+  return {FindingCode::view_limit, Finding::Severity::note, "design",
           "view " + view + " reaches " + fixed(psnr_db, 1) + " dB; " +
               (any ? "without one of these it would gain: " + cost : "the number of its scratches alone limits it"),
           any        ? std::string(all[0].lift) + " would lift it most"

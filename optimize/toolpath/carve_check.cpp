@@ -28,8 +28,8 @@ using Severity = Finding::Severity;
 
 constexpr double kRounding_mm = 2e-3;  // files are rounded; a smaller violation of a rule is invisible
 
-void add(CarveCheck& check, Severity severity, std::string what, std::string remedy) {
-  check.findings.push_back({severity, {}, std::move(what), std::move(remedy)});
+void add(CarveCheck& check, FindingCode code, Severity severity, std::string what, std::string remedy) {
+  check.findings.push_back({code, severity, {}, std::move(what), std::move(remedy)});
 }
 
 // State of one check.
@@ -80,7 +80,7 @@ void replay_files(Work& work, CarveCheck& check) {
       check.travel_mm += replay.travel_mm;
       if (done.scratches > 0) check.duration_s += replay.duration_s;
     } catch (const Error& error) {
-      add(check, Severity::error, error.what(), "");
+      add(check, FindingCode::gcode_unsafe, Severity::error, error.what(), "");
     }
     check.files.push_back(std::move(done));
   }
@@ -125,7 +125,7 @@ bool carved_mended(const Work& work, CarveCheck& check) {
   } catch (const Error&) {
     return false;
   }
-  add(check, Severity::warning,
+  add(check, FindingCode::scratches_changed, Severity::warning,
       "the files carve the scratches as the machine's limits let them: " + std::to_string(lost) + " are left out" +
           (lost > 0 ? " (" + dropped_text(mended.dropped) + ")" : "") + ", the others moved by up to " +
           fixed(mended.moved_mm, 4) + " mm",
@@ -142,7 +142,7 @@ void compare_with_design(const Work& work, CarveCheck& check) {
   try {
     fail_unless_carved(work, *input.scratches);
   } catch (const Error& error) {
-    if (!carved_mended(work, check)) add(check, Severity::error, error.what(), "");
+    if (!carved_mended(work, check)) add(check, FindingCode::gcode_unsafe, Severity::error, error.what(), "");
   }
 }
 
@@ -190,7 +190,7 @@ struct Broken {
 void add_broken(CarveCheck& check, const Broken& broken, const std::string& what, const std::string& remedy) {
   if (broken.count == 0) return;
   const Ends e = ends_of(check.carved, broken.first);
-  add(check, Severity::error,
+  add(check, FindingCode::gcode_differs, Severity::error,
       counted(broken.count, "scratch") + " " + what + ", the first from (" + fixed(e.a.x(), 2) + ", " +
           fixed(e.a.y(), 2) + ") to (" + fixed(e.b.x(), 2) + ", " + fixed(e.b.y(), 2) + ") mm",
       remedy);
@@ -237,7 +237,8 @@ void judge_frame(const Work& work, CarveCheck& check) {
   const auto frame = std::find_if(check.files.begin(), check.files.end(),
                                   [](const CheckedFile& f) { return f.scratches == 0 && f.lines > 0; });
   if (frame == check.files.end()) {
-    add(check, Severity::note, "there is no frame to run in the air first", "burin toolpath --frame writes one");
+    add(check, FindingCode::frame, Severity::note, "there is no frame to run in the air first",
+        "burin toolpath --frame writes one");
     return;
   }
   Eigen::Vector2d low = work.told.scratches[0].from_mm, high = low;
@@ -246,7 +247,8 @@ void judge_frame(const Work& work, CarveCheck& check) {
     high = high.cwiseMax(s.from_mm).cwiseMax(s.to_mm);
   }
   if (!((frame->min_mm - low).cwiseAbs().maxCoeff() < 1 && (frame->max_mm - high).cwiseAbs().maxCoeff() < 1))
-    check.findings.push_back({Severity::warning, frame->file, "goes round another job than these files carve",
+    check.findings.push_back({FindingCode::frame, Severity::warning, frame->file,
+                              "goes round another job than these files carve",
                               "make the frame again (burin toolpath --frame)"});
 }
 
@@ -285,7 +287,7 @@ void judge_glints(const Work& work, CarveCheck& check) {
     if (view.scratches == 0) continue;
     view.dark = static_cast<double>(dark[k]) / static_cast<double>(view.scratches);
     if (view.dark < kNoticed) continue;
-    add(check, view.dark > kSpoiled ? Severity::error : Severity::warning,
+    add(check, FindingCode::lamp_angle, view.dark > kSpoiled ? Severity::error : Severity::warning,
         "view " + view.view + ": " + fixed(100 * view.dark, 0) + " % of its " + counted(view.scratches, "scratch") +
             " lie beyond the cut-off: their walls are not steep enough to glint there",
         deeper(work, check, most_lean[k]));
@@ -299,11 +301,12 @@ void judge_crossings(const Work& work, CarveCheck& check) {
   const Board& board = work.input.board;
   const double covered = area_mm2(check.carved, work.bench, board) / (board.carve_max_mm - board.carve_min_mm).prod();
   if (covered < kCrowded) return;
-  add(check, Severity::warning,
+  add(check, FindingCode::crossings_ignored, Severity::warning,
       "grooves would cover the carve area " + fixed(covered, 1) +
           " times, and the pictures count on the light of both where two cross; a tool that cuts leaves only the lower "
           "of the two, and such a board shows several dB less than it promises",
-      "write \"material\": {\"crossings\": \"deepest\"} into bench.json and design again; or carve, and photos tell");
+      "write \"material\": {\"crossings\": \"deepest\"} into bench.json and design again; or carve, and photograph the "
+      "board");
 }
 
 }  // namespace
@@ -314,7 +317,9 @@ CarveCheck check_carve(const CarveCheckInput& input) {
   Work work = begin(input);
   replay_files(work, check);
   if (work.told.scratches.empty()) {
-    if (check.good()) add(check, Severity::error, "these files carve nothing", "give the files with the scratches");
+    if (check.good())
+      add(check, FindingCode::gcode_differs, Severity::error, "these files carve nothing",
+          "give the files with the scratches");
     return check;
   }
   compare_with_design(work, check);

@@ -382,7 +382,7 @@ struct Judge {
         broken(
             Rule::distance, i,
             [&] {
-              return "runs " + length_text(met.nearest_mm) + " beside the one in row " +
+              return "runs " + length_text(met.nearest_mm) + " next to the one in row " +
                      std::to_string(met.nearest + 1) + "; the machine needs " + length_text(m.distance_mm);
             },
             remedy);

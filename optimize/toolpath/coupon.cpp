@@ -390,7 +390,8 @@ CouponPlan make_coupon(const MachineProfile& machine, const CouponOptions& optio
   const double text_mm = static_cast<double>(text.size()) * label_advance_mm(label);
   const bool labeled = text_mm < kSize_mm - 2 * kCarve_mm - 1;
   if (!labeled)
-    plan.findings.push_back(make_warning("date and number are not carved: scratches of " + significant(stroke_mm, 3) +
+    plan.findings.push_back(make_warning(FindingCode::label_omitted,
+                                         "date and number are not carved: scratches of " + significant(stroke_mm, 3) +
                                              " mm make letters too large for the coupon",
                                          "write them on it by hand"));
   const double label_mm = labeled ? label.height_mm + 0.6 : 0;
@@ -412,7 +413,8 @@ CouponPlan make_coupon(const MachineProfile& machine, const CouponOptions& optio
   for (const CouponCell& cell : coupon.cells)
     if (cell.command == commands.front() && cell.spacing_mm == coupon.cells.front().spacing_mm &&
         cell.reached_mm_min < 0.75 * cell.feed_mm_min)
-      plan.findings.push_back(make_warning("scratches this short do not reach " + significant(cell.feed_mm_min, 4) +
+      plan.findings.push_back(make_warning(FindingCode::feed_unreached,
+                                           "scratches this short do not reach " + significant(cell.feed_mm_min, 4) +
                                                " mm/min: they average " + significant(cell.reached_mm_min, 3) +
                                                " at the machine's acceleration",
                                            "compare with scratches of your boards, which are as short or reach it"));
@@ -441,7 +443,7 @@ std::vector<Finding> check_place(const Board& board, const Vector2d& at_mm) {
     }
   if ((end_mm.array() <= board.carve_min_mm.array()).any() || (at_mm.array() >= board.carve_max_mm.array()).any())
     return {};
-  return {make_warning("the coupon lies in the board's carve area",
+  return {make_warning(FindingCode::coupon_place, "the coupon lies in the board's carve area",
                        "keep designs off it: \"keep_out\": [{ \"name\": \"coupon\", \"rect_mm\": [[" +
                            shortest(at_mm.x()) + ", " + shortest(at_mm.y()) + "], [" + shortest(end_mm.x()) + ", " +
                            shortest(end_mm.y()) + "]], \"height_mm\": 0 }] in its board.json")};

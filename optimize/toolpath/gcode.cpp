@@ -106,11 +106,11 @@ std::optional<std::string> placeholder(const std::string& name, const BlockValue
     if (name == "number") return std::to_string(values.number);
   }
   if (name == "servo")
-    fail("machine profile \"" + m.name + "\"", "its blocks ask for {servo}, but it is none",
+    fail("machine profile \"" + m.name + "\"", "its blocks use {servo}, but it is none",
          "add \"depth_by\": \"servo\" and a depth_table");
   if (name == "force")
-    fail("machine profile \"" + m.name + "\"", "its blocks ask for {force}, but it says none", "add \"force\": 350");
-  fail("machine profile \"" + m.name + "\"", "its blocks ask for {" + name + "}, which is not known there",
+    fail("machine profile \"" + m.name + "\"", "its blocks use {force}, but it has none", "add \"force\": 350");
+  fail("machine profile \"" + m.name + "\"", "its blocks use {" + name + "}, which is not known there",
        "use z_safe, feed, plunge_feed, rapid, rapid_z, force, servo_up, dwell_s, dwell_ms and, in per_scratch, x0, y0, "
        "x1, y1, z_carve, z1, servo, depth_um, number; in head, lines, time_s, part, parts, scratches, min_x, max_x, "
        "min_y, max_y, min_z, max_z");

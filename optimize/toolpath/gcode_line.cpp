@@ -342,7 +342,7 @@ class Reader {
           break;
         case 'N':
           if (marlin)
-            error("has a line number, and Marlin asks for such a line again and again without a checksum",
+            error("has a line number, and Marlin requests such a line again without end if it has no checksum",
                   "leave line numbers away; the program that sends the file adds its own");
           if (line_['N'] < 0 || line_['N'] > kMostLineNumber || line_['N'] != std::floor(line_['N']))
             error("has no such line number", "count from 1, or leave line numbers away");
@@ -354,7 +354,7 @@ class Reader {
         default:
           break;
       }
-      if (!wanted) error(std::string("has a word ") + letter + " that no code of the line asks for", "take it away");
+      if (!wanted) error(std::string("has a word ") + letter + " that no code of the line uses", "take it away");
     }
   }
 

@@ -215,7 +215,7 @@ ProbePlan probe_plan(const Board& board, double spacing_mm) {
 
 std::string probe_gcode(const ProbePlan& plan, const MachineProfile& machine) {
   if (machine.dialect == GcodeDialect::marlin)
-    fail("machine \"" + machine.name + "\"", "tells heights to 0.01 mm only, about a groove's depth",
+    fail("machine \"" + machine.name + "\"", "has heights to 0.01 mm only, about a groove's depth",
          "use a spring-loaded tool or a drag bit (\"depth_by\": \"spring\"), which need no height map");
   if (machine.depth_by == DepthBy::servo)
     fail("machine \"" + machine.name + "\"", "presses by a servo, whose depth does not come from Z",
@@ -276,7 +276,7 @@ ProbedHeights read_probe_log(std::string_view log, const std::filesystem::path& 
     fail(name, "the first point lies " + um(drift) + " elsewhere at the end than at the beginning",
          "check that sheet, tool and probe hold still and that no step is lost; then probe again");
   if (drift > kDrift_mm)
-    out.findings.push_back({Finding::Severity::warning, log_file,
+    out.findings.push_back({FindingCode::probe_drift, Finding::Severity::warning, log_file,
                             "the first point lies " + um(drift) + " elsewhere at the end than at the beginning",
                             "depths are no better known than that"});
   fill_in(out.map);

@@ -19,7 +19,7 @@ std::string place_of(const Eigen::Vector3d& p) {
 }
 
 constexpr const char* kHeightRemedy =
-    "write \"height_mm\" beside this keep_out in board.json: how far it rises above the face, 0 if nothing stands "
+    "add \"height_mm\" to this keep_out in board.json: how far it rises above the face, 0 if nothing stands "
     "there "
     "(a hole)";
 
@@ -32,8 +32,7 @@ ReleaseCheck::ReleaseCheck(const Workpiece& workpiece, const MachineProfile& mac
       first_z_mm_(highest_mm(face) + std::max(kFirstWay_mm, height_over_all_mm(workpiece))),
       rounding_mm_(2 * std::pow(10.0, -machine.decimals)) {
   if (!workpiece.unknown.empty())
-    add(kUnknownHeight, 0,
-        "goes over a sheet on which " + workpiece.unknown + " stands, and nobody said how high it stands",
+    add(kUnknownHeight, 0, "goes over a sheet on which " + workpiece.unknown + " stands, and its height is unknown",
         kHeightRemedy);
 }
 
@@ -92,8 +91,8 @@ void ReleaseCheck::judge_unknown_course(const ToolWay& way) {
   const double tip_mm = std::fmin(this->tip_mm(way.from_mm), this->tip_mm(way.to_mm));
   if (tip_mm < needed_mm - rounding_mm_)
     add(kFirstWay, way.line,
-        "goes along the board from or to a place that the file does not tell at Z" + fixed(tip_mm, 2) +
-            "; the sheet and what stands on it are clear from Z" + fixed(needed_mm, 2) + " on",
+        "goes along the board from or to a place that is not in the file, at Z" + fixed(tip_mm, 2) +
+            "; the tool clears the sheet and its clamps from Z" + fixed(needed_mm, 2) + " on",
         "lift to {z_safe} in the profile's start, and write the file again");
 }
 
@@ -118,8 +117,9 @@ void ReleaseCheck::judge_course(const ToolWay& way) {
   if (least_mm < std::max(needed_mm, paper_mm) - rounding_mm_)
     add(kStanding, way.line,
         "travels " + fixed(least_mm, 2) + " mm above the face on its way to " + place_of(way.to_mm) +
-            (needed_mm > 0 ? ", over or close beside what needs " + fixed(needed_mm, 2) + " mm (a keep-out, a tag)"
-                           : ", and the tags' paper is " + fixed(paper_mm, 2) + " mm thick"),
+            (needed_mm > 0
+                 ? ", over or close to a keep-out or tag that needs " + fixed(needed_mm, 2) + " mm (a keep-out, a tag)"
+                 : ", and the tags' paper is " + fixed(paper_mm, 2) + " mm thick"),
         "raise safe_z_mm, or correct height_mm of keep_out in board.json, and write the file again");
 }
 
@@ -151,7 +151,7 @@ std::vector<Finding> ReleaseCheck::findings(const std::string& name) const {
     if (fault.count == 0) continue;
     const std::string line = fault.line > 0 ? ":" + std::to_string(fault.line) : "";
     const std::string more = fault.count > 1 ? " (" + std::to_string(fault.count) + " such lines)" : "";
-    out.push_back({Finding::Severity::error, name + line, fault.what + more, fault.remedy});
+    out.push_back({FindingCode::gcode_unsafe, Finding::Severity::error, name + line, fault.what + more, fault.remedy});
   }
   return out;
 }
@@ -195,20 +195,22 @@ std::vector<Finding> height_findings(const Board& board, const std::filesystem::
   const auto low = std::find_if(board.keep_out.begin(), board.keep_out.end(),
                                 [](const KeepOut& place) { return !place.height_mm.has_value(); });
   if (low == board.keep_out.end()) return {};
-  return {{Finding::Severity::warning, board_file,
-           "nobody said how high the keep-out " + (low->name.empty() ? "" : low->name + " ") +
-               "stands; the design goes on, but no G-code will be given out",
-           kHeightRemedy}};
+  return {{FindingCode::keep_out_height, Finding::Severity::warning, board_file,
+           "the height of the keep-out " + (low->name.empty() ? "" : low->name + " ") +
+               "is unknown; the design continues, but no G-code will be written",
+           kHeightRemedy, "keep_out"}};
 }
 
 std::vector<Finding> reach_findings(const MachineProfile& machine) {
   if (machine.travel || machine.travel_is_unknown) return {};
-  return {{Finding::Severity::warning,
+  return {{FindingCode::machine_travel,
+           Finding::Severity::warning,
            {},
-           "nobody said how far " + machine.name + " reaches: whether it gets to all of these places is not checked",
+           "the travel of " + machine.name + " is unknown: nothing checks that it reaches all of these places",
            "write \"travel_mm\": [[0, 0], [300, 180]] with its own numbers into its burin/machine file (for a built-in "
-           "machine into one that is \"based_on\" it), or say it to the project once: burin loop --travel 300x180, or "
-           "--travel unknown"}};
+           "machine into one that is \"based_on\" it), or set it for the project once: burin loop --travel 300x180, or "
+           "--travel unknown",
+           "travel_mm"}};
 }
 
 }  // namespace burin

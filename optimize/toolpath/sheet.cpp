@@ -26,15 +26,16 @@ const char* remedy(const MachineProfile& machine) {
                "sheet that was photographed and lies as it lay then, --follow-bow";
 }
 
-void add(std::vector<Finding>& findings, Finding::Severity severity, std::string what, std::string remedy) {
-  findings.push_back({severity, {}, std::move(what), std::move(remedy)});
+void add(std::vector<Finding>& findings, FindingCode code, Finding::Severity severity, std::string what,
+         std::string remedy) {
+  findings.push_back({code, severity, {}, std::move(what), std::move(remedy)});
 }
 
 void judge_even_z(const DepthRange& depth, const std::optional<Unevenness>& known, const MachineProfile& machine,
                   std::vector<Finding>& findings) {
   if (!known) {
-    add(findings, Finding::Severity::warning,
-        "nobody knows how even this sheet is: Z goes to -" + fixed(depth.least_mm, 4) +
+    add(findings, FindingCode::face_uneven, Finding::Severity::warning,
+        "the sheet's flatness is unknown: Z goes to -" + fixed(depth.least_mm, 4) +
             " mm everywhere, which on a sheet that is not flat to " + micrometers(kNoticed * depth.least_mm) +
             " carves air in one place and too deep in another",
         std::string(remedy(machine)) + "; or write \"flatness_um\" into board.json once it is known");
@@ -43,7 +44,7 @@ void judge_even_z(const DepthRange& depth, const std::optional<Unevenness>& know
   const double error = known->mm;
   if (error <= kNoticed * depth.least_mm) return;
   const bool spoiled = error > kSpoiled * depth.least_mm;
-  add(findings, spoiled ? Finding::Severity::error : Finding::Severity::warning,
+  add(findings, FindingCode::face_uneven, spoiled ? Finding::Severity::error : Finding::Severity::warning,
       "the face lies " + micrometers(error) + " higher in one place than in another (" + known->source +
           "), and a fixed Z is to carve " + micrometers(depth.least_mm) + " deep: the depth would differ by " +
           fixed(100 * error / depth.least_mm, 0) + " %" +
@@ -57,18 +58,19 @@ void judge_preload(const DepthRange& depth, const std::optional<Unevenness>& kno
   const double error = depth_error_mm(machine, depth.least_mm, probe_mm);
   const std::string head = machine.depth_by == DepthBy::spring ? "the spring" : "the drag bit";
   if (!known) {
-    add(findings, Finding::Severity::note,
-        "nobody knows how even this sheet is; " + head + " turns each 0.1 mm of unevenness into " + micrometers(error) +
+    add(findings, FindingCode::face_uneven, Finding::Severity::note,
+        "the sheet's flatness is unknown; " + head + " turns each 0.1 mm of unevenness into " + micrometers(error) +
             " of depth",
         "");
   } else if (error > kNoticed * depth.least_mm) {
-    add(findings, error > kSpoiled * depth.least_mm ? Finding::Severity::error : Finding::Severity::warning,
+    add(findings, FindingCode::face_uneven,
+        error > kSpoiled * depth.least_mm ? Finding::Severity::error : Finding::Severity::warning,
         "the face lies " + micrometers(probe_mm) + " higher in one place than in another (" + known->source +
             "), of which " + head + " makes " + micrometers(error) + " of the depth of " + micrometers(depth.least_mm),
         "clamp the sheet flatter, use a softer spring, or probe it (burin probe write) and give --heights (in a loop: "
         "put it into the round's folder as heights.json)");
   } else {
-    add(findings, Finding::Severity::note,
+    add(findings, FindingCode::face_uneven, Finding::Severity::note,
         head + " makes " + micrometers(error) + " of depth of the face's " + micrometers(probe_mm) + " (" +
             known->source + ")",
         "");
@@ -127,35 +129,35 @@ std::vector<Finding> sheet_findings(const Toolpath& path, const Board& board, co
                                     const MachineProfile& machine) {
   std::vector<Finding> findings;
   if (!board.mesh.empty())
-    add(findings, Finding::Severity::warning,
+    add(findings, FindingCode::board_shape, Finding::Severity::warning,
         "this board has the shape of " + board.mesh.filename().string() + ", and G-code is for the flat sheet",
         "carve it flat, before it is given its shape; on a face that is shaped already no file of Burin's is right");
   const DepthRange depth = depth_range(path);
   const double rounding_mm = 0.5 * std::pow(10.0, -machine.decimals);
   if (depth_error_mm(machine, depth.least_mm, rounding_mm) > kNoticed * depth.least_mm)
-    add(findings, Finding::Severity::warning,
+    add(findings, FindingCode::depth_rounded, Finding::Severity::warning,
         "coordinates with " + std::to_string(machine.decimals) + " decimals round a depth of " +
             micrometers(depth.least_mm) + " by up to " + micrometers(rounding_mm),
         "write more decimals (--decimals, or the profile's)");
   if (machine.depth_table.assumed && measured != nullptr && depth_is_measured(*measured))
-    add(findings, Finding::Severity::note,
+    add(findings, FindingCode::depth_uncertain, Finding::Severity::note,
         "of " + significant(board.material.depth_um, 3) + " um as the guessed table of " + machine.name +
             " has them, photos measured " + significant(measured->material.depth_um, 3) + " um",
         "");
   else if (machine.depth_table.assumed)
-    add(findings, Finding::Severity::warning,
-        "nobody measured what depth a preload makes on " + machine.name + ": its table is a guess",
+    add(findings, FindingCode::depth_uncertain, Finding::Severity::warning,
+        "no measurement relates preload to depth on " + machine.name + ": its table is a guess",
         "carve a coupon on scrap (burin coupon write), or let photos of the first board measure the depth");
   // A wire or a flat spring presses equally at every height.
   if (machine.depth_by == DepthBy::servo) return findings;
   if (path.face.map) {
-    add(findings, Finding::Severity::note,
+    add(findings, FindingCode::face_followed, Finding::Severity::note,
         "Z follows the height map, " + micrometers(range_mm(*path.face.map)) + " from its lowest to its highest point",
         "");
     return findings;
   }
   if (path.face.bow) {
-    add(findings, Finding::Severity::warning,
+    add(findings, FindingCode::face_followed, Finding::Severity::warning,
         "Z follows the bow that photos measured: right only for that sheet, lying as it lay then", "");
     return findings;
   }

@@ -314,7 +314,7 @@ class Machine {
     if (along && (words.has('Z') || (!by_servo_ && !clear_of_face(at_))))
       error("moves along the board in machine coordinates before the tool was lifted", "lift it by a line of its own");
     if (words.has('Z') && words['Z'] < 0)
-      error("goes down to a place of the machine (G53 Z), and what is there the file does not tell",
+      error("goes down to a place of the machine (G53 Z), and the file does not show its surroundings",
             "write G53 G0 Z0, the highest place that it has");
     if (!moving_ || !words.has_axis()) error("has a G53 without a move", "write G0 and a place, or take it away");
     leave_for_unknown(words);
@@ -362,9 +362,9 @@ class Machine {
     const double from_mm = clearance_mm(at_), to_mm = clearance_mm(to);
     if (to_mm < 0 && !(from_mm < 0)) {
       if (rapid_) error("goes into the metal with G0", "plunge with G1");
-      if (std::isnan(from_mm)) error("goes into the metal from a height that the file does not tell", "lift it first");
+      if (std::isnan(from_mm)) error("goes into the metal from a height that is not in the file", "lift it first");
       if (!to.allFinite())
-        error("goes into the metal at a place that the file does not tell", "go to the scratch's beginning first");
+        error("goes into the metal at a place that is not in the file", "go to the scratch's beginning first");
       carved_since_ = false;
     } else if (to_mm < 0 && up_mm > 0) {
       error("changes its depth in the metal without a way along the board", "plunge to the depth at once");
@@ -395,14 +395,14 @@ class Machine {
     if (along_board && std::isnan(at_.z()) && !by_servo_ && !presses_)
       error("moves along the board before the tool was lifted", "go to a safe height first");
     if (along_board && by_servo_ && head_depth_mm_ > 0 && !along.allFinite())
-      error("carves from a place that the file does not tell", "go to its beginning first, lifted");
+      error("carves from a place that is not in the file", "go to its beginning first, lifted");
     if (by_servo_ && clearance_mm(to) < 0)
       error("goes below the face to Z" + fixed(to.z(), 4) + ", and a servo presses the head, not Z",
             "keep Z at the safe height");
     if (along_board && !by_servo_ && !along.allFinite() && !(clear_of_face(to) && clear_of_face(at_)))
       error("moves along the board before the tool was lifted", "go to a safe height first");
     if (presses_ && along_board && !rapid_ && !along.allFinite())
-      error("carves from a place that the file does not tell", "go to its beginning first, lifted");
+      error("carves from a place that is not in the file", "go to its beginning first, lifted");
     for (int axis = 0; axis < 3; ++axis) {
       if (std::isnan(to[axis])) continue;
       replay_.min_mm[axis] = std::fmin(replay_.min_mm[axis], to[axis]);
@@ -469,7 +469,7 @@ class Machine {
       const double least = depth_of_plunge_mm(profile_, -height.most_mm),
                    most = depth_of_plunge_mm(profile_, -height.least_mm);
       if (std::isnan(most))
-        error("presses harder than the machine's depth_table tells", "correct the file or the table");
+        error("presses harder than the machine's depth_table covers", "correct the file or the table");
       s.depth_mm = (least + most) / 2;
       s.depth_spread_mm = (most - least) / 2;
     }

@@ -20,7 +20,7 @@ from ._show import png
 from ._targets import Grooves, Loss, Searched, Targets, carve, drop_weak, guided_start, relocate
 from ._types import Bench, Board, Lens, Light, Material, Scratches, View, read
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 __all__ = [
     "Bench", "Board", "Design", "DesignedView", "Error", "Finding", "Floats", "Footprint", "Frame", "Gradients", "Grooves",
     "Lens", "Light", "Loss", "LossWeights", "Material", "Measured", "Parameter", "Pictures", "Project", "ProjectDesign",

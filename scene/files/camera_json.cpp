@@ -43,7 +43,7 @@ SaidPose read_pose(JsonObject& json) {
                           (eye   ? "eye_mm"
                            : aim ? "aim_mm"
                                  : "roll_deg") +
-                          " both say where the camera stands",
+                          " both give the camera's place",
                       "keep one of them");
     return {rigid_motion(json, "T_camera_board"), std::nullopt};
   }

@@ -35,7 +35,7 @@ Light read_sun(JsonObject json) {
 
 Light read_surroundings(JsonObject json, const std::filesystem::path& file) {
   PanoramaFrame frame;
-  if (!json.has("frame")) json.fail_field("frame", "is missing: nobody knows which way the picture lies", kFrameRemedy);
+  if (!json.has("frame")) json.fail_field("frame", "is missing: the picture's orientation is unknown", kFrameRemedy);
   const std::string kind = json.text("frame");
   if (kind != "board" && kind != "inside") json.fail_field("frame", "is \"" + kind + "\"", kFrameRemedy);
   if (kind == "inside") {
@@ -71,10 +71,10 @@ bool says_far_light(JsonObject& light) { return light.has("sun") || light.has("s
 void read_far_light(JsonObject& json, const std::filesystem::path& file, Light& light) {
   const std::string id = light.id;
   if (json.has("sun") && json.has("surroundings"))
-    json.fail_field("surroundings", "stands beside sun", "a light is one of both: list them as two lights");
+    json.fail_field("surroundings", "contradicts sun", "a light is one of both: list them as two lights");
   for (const char* key : {"position_mm", "axis", "falloff_exponent", "disk_mm", "panel_mm", "intensity"})
     if (json.has(key))
-      json.fail_field(key, "stands beside a sun or surroundings", "it belongs to a near lamp: list that as its own");
+      json.fail_field(key, "contradicts a sun or surroundings", "it belongs to a near lamp: list that as its own");
   light = json.has("sun") ? read_sun(json.object("sun")) : read_surroundings(json.object("surroundings"), file);
   light.id = id;
 }

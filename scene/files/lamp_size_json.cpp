@@ -23,7 +23,7 @@ LampSize read_lamp_size(JsonObject& light, const Eigen::Vector3d& position_mm) {
   LampSize size;
   const double distance_mm = position_mm.norm();
   if (light.has("disk_mm") && light.has("panel_mm"))
-    light.fail_field("panel_mm", "stands beside disk_mm", "a lamp is a disk or a panel: keep one of both");
+    light.fail_field("panel_mm", "contradicts disk_mm", "a lamp is a disk or a panel: keep one of both");
   if (light.has("disk_mm")) {
     size.disk_mm = light.number("disk_mm");
     if (size.disk_mm < 0) light.fail_field("disk_mm", "is negative", "write the disk's radius in mm, 0 for a point");

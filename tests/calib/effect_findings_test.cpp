@@ -57,7 +57,7 @@ TEST(EffectFindings, GroovesThatEndBeforeTheirFlanksAreArcs) {
   EXPECT_EQ(told(bench).find("an arc of a circle"), std::string::npos) << told(bench);
 }
 
-// Where the light that nobody named stands, as seen from the board's middle, and how bright it is beside the lamp.
+// Where the unnamed light stands, as seen from the board's middle, and how bright it is beside the lamp.
 TEST(EffectFindings, AStrayLightIsSaidByItsPlace) {
   Bench bench;
   Light& lamp = bench.lights.emplace_back();
@@ -75,7 +75,7 @@ TEST(EffectFindings, ToldNumbersHaveNoSigma) {
   Bench bench;
   bench.material.profile.burr_left_um = 1.5;
   const std::string said = told(bench, true);
-  EXPECT_NE(said.find("burrs of 1.50 (left) and 0.00 um (right), as board.json says"), std::string::npos) << said;
+  EXPECT_NE(said.find("burrs of 1.50 (left) and 0.00 um (right), as in board.json"), std::string::npos) << said;
   EXPECT_EQ(said.find("+-"), std::string::npos) << said;
 }
 

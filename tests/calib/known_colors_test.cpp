@@ -69,7 +69,7 @@ TEST(KnownColors, OutliveARefinementByPhotosInGray) {
   const Eigen::Vector3d color = r.bench.lights[0].intensity / r.bench.lights[0].intensity.mean();
   EXPECT_LT((color - Eigen::Vector3d(2.4, 0.5, 0.1)).norm(), 1e-9);
   EXPECT_TRUE(std::any_of(r.findings.begin(), r.findings.end(), [](const Finding& f) {
-    return f.what.find("color is as the bench said") != std::string::npos;
+    return f.what.find("color is as in the bench") != std::string::npos;
   }));
 }
 

@@ -246,7 +246,7 @@ TEST_F(FolderSessionTest, FoldersNameTheLamps) {
       spec.attribute(name, "0000:00:00 00:00:00");
   });
   result = captured();
-  EXPECT_THAT(text_of(result.findings, Severity::note), HasSubstr("the order of their names was used"));
+  EXPECT_THAT(text_of(result.findings, Severity::note), HasSubstr("in the order of their names"));
   EXPECT_EQ(result.views, 4);
 }
 
@@ -443,7 +443,7 @@ TEST_F(FolderSessionTest, AWrongSizeOfTheTags) {
   write_board(board, folder / "board.json");
   const CaptureResult result = capture();
   EXPECT_THAT(text_of(result.findings, Severity::error),
-              AllOf(testing::ContainsRegex("tags are 0.(79|80|81) times as wide as size_mm says"),
+              AllOf(testing::ContainsRegex("tags are 0.(79|80|81) times as wide as size_mm"),
                     HasSubstr("it seems to be the paper's width"), HasSubstr("correct size_mm in board.json")));
   EXPECT_TRUE(result.written.empty());
 }
@@ -597,7 +597,7 @@ TEST_F(FolderSessionTest, GrayOfUncalibratedColorsIsLinear) {
   EXPECT_FALSE(has_errors(result.findings)) << text_of(result.findings, Severity::error);
   ASSERT_EQ(result.session.photos.size(), 12U);
   EXPECT_EQ(result.session.photos[0].encoding, Encoding::linear);
-  EXPECT_THAT(text_of(result.findings, Severity::note), HasSubstr("IMG_100.tif: does not say how its values are"));
+  EXPECT_THAT(text_of(result.findings, Severity::note), HasSubstr("IMG_100.tif: does not name its encoding"));
 }
 
 TEST_F(FolderSessionTest, ALensThatTheCameraDoesNotKnow) {

@@ -193,7 +193,7 @@ TEST(CarvingLimits, EachRuleIsJudgedAndNamed) {
   EXPECT_TRUE(check_limits({{50}, {80.9}, {52}, {80.9}, {}, {}, {}}, limits).good());
   judge({{50}, {80.96}, {52}, {80.96}, {}, {}, {}}, Rule::keep_out, "\"tag 4\"");
   judge({{50, 50}, {50, 50.15}, {52, 52}, {50, 50.15}, {}, {}, {}}, Rule::distance,
-        "runs 0.15 mm beside the one in row 2");
+        "runs 0.15 mm next to the one in row 2");
   judge({{50, 50}, {50, 49.97}, {52, 52}, {50, 50.03}, {}, {}, {}}, Rule::overlap, "of its groove to others");
   judge({{46, 51, 54}, {50, 46, 47}, {55, 51, 48}, {50, 54, 53}, {}, {}, {}}, Rule::grooves, "more than 2 grooves lie");
   judge({{50}, {50}, {52}, {50}, {500}, {}, {}}, Rule::width, "the board's tool");

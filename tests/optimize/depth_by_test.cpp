@@ -176,7 +176,7 @@ TEST(DepthBy, FaultsOfServosAndBeamsAreNamed) {
   const std::string head = "M3 S300\nG21 G90\nG0 Z1\n";
   expect(servo, "G21 G90\nG0 Z1\n", "before the head was lifted");
   expect(servo, "G28\n", "before the head was lifted");
-  expect(servo, head + "M3 S600\nG1 X1 Y1 F600\n", "from a place that the file does not tell");
+  expect(servo, head + "M3 S600\nG1 X1 Y1 F600\n", "from a place that is not in the file");
   expect(servo, head + "M3 S300\nG0 X1 Y1\nM3 S600\nG0 X5\nM3 S300\n", "G0 through the metal");
   expect(servo, head + "M3 S300\nG0 X1 Y1\nM3 S600\nG1 X5 F600\n", "head pressed down");
   expect(servo, head + "M3 S400\n", "neither lifts it nor is a depth");
@@ -416,7 +416,7 @@ TEST(DepthBy, UnevenSheetsAreJudgedByHowTheDepthComesAbout) {
     return worst;
   };
   EXPECT_EQ(worst("grbl"), static_cast<int>(Finding::Severity::warning));  // nobody knows
-  EXPECT_THAT(findings("grbl").at(0).what, HasSubstr("nobody knows how even"));
+  EXPECT_THAT(findings("grbl").at(0).what, HasSubstr("the sheet's flatness is unknown"));
   board.flatness_um = 1;
   EXPECT_EQ(worst("grbl"), -1);
   board.flatness_um = 4;

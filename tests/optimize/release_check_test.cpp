@@ -273,7 +273,7 @@ TEST(ReleaseCheck, TheFirstWayComesFromAboveAndSaysSo) {
     EXPECT_THAT(text, HasSubstr("first way along X and Y: 5.3 mm above zero, over sheet and clamps"));
     EXPECT_LT(text.find("G0 Z5.3"), text.find("G0 X"));
     replace_all(text, "Z5.3", "Z1.0");
-    EXPECT_THAT(against(text, board, machine), HasSubstr("a place that the file does not tell at Z1.00"));
+    EXPECT_THAT(against(text, board, machine), HasSubstr("a place that is not in the file, at Z1.00"));
   }
   MachineProfile own = machine_profile("grbl");
   own.start = {"G21 G90", "G0 Z1"};

@@ -154,7 +154,7 @@ TEST(Replay, WaysThatSpoilABoardAreRefused) {
   refuses("G0 Z-0.01\n", "into the metal with G0", grbl);
   refuses("G1 Z-5 F100\nG0 Z1\n", "a hole", grbl);
   refuses("G1 Z-5 F100\nG1 Z-0.01\nG1 X5\nG0 Z1\n", "changes its depth in the metal", grbl);
-  refuses("G28\nG1 Z-0.01 F100\n", "from a height that the file does not tell", grbl);
+  refuses("G28\nG1 Z-0.01 F100\n", "from a height that is not in the file", grbl);
   refuses("G1 Z-0.01 F100\nG28\n", "home with the tool in the metal", grbl);
   refuses("G53 G0 X0 Y0 Z0\n", "in machine coordinates before the tool was lifted", grbl);
   refuses("M2\nG1 Z-5 F100\n", "goes on after its end", grbl);

@@ -77,7 +77,7 @@ TEST_F(BenchOfBoard, NominalBenchThatSaysAnotherNumberIsRefused) {
   EXPECT_THAT([&] { read(); }, ThrowsMessage<Error>(HasSubstr("f0[0] is 0.5")));
   board_.erase("material");
   bench_["material"] = {{"depth_um", 14}};
-  EXPECT_THAT([&] { read(); }, ThrowsMessage<Error>(HasSubstr("does not say it, which means 10")));
+  EXPECT_THAT([&] { read(); }, ThrowsMessage<Error>(HasSubstr("lacks it, which means 10")));
 }
 
 TEST_F(BenchOfBoard, WhatPhotosMeasuredStandsForTheBoardThatWasMeasured) {
@@ -105,7 +105,7 @@ TEST_F(BenchOfBoard, WhatPhotosDidNotTellIsStillTheBoards) {
     EXPECT_EQ(bench.material.depth_um, 18) << source;
     EXPECT_EQ(bench.material.alpha, 0.061);
     ASSERT_THAT(bench.findings, SizeIs(1));
-    EXPECT_THAT(sentence(bench.findings[0]), HasSubstr("did not tell material.depth_um"));
+    EXPECT_THAT(sentence(bench.findings[0]), HasSubstr("did not determine material.depth_um"));
   }
   board_["material"]["depth_um"] = 25;  // believed otherwise now: it is followed
   EXPECT_EQ(read().material.depth_um, 25);

@@ -39,7 +39,7 @@ TEST(Printable, WhatATerminalObeysIsShownAsNumbers) {
 TEST(Printable, ErrorsAndFindingsAre) {
   EXPECT_THAT([] { fail("a\x1b[31m.json", "is\x07 bad", "mend it"); },
               ThrowsMessage<Error>("a\\x1b[31m.json: is\\x07 bad; mend it"));
-  EXPECT_EQ(sentence({Finding::Severity::note, "\x1b.png", "x", ""}), "\\x1b.png: x");
+  EXPECT_EQ(sentence({FindingCode::picture, Finding::Severity::note, "\x1b.png", "x", ""}), "\\x1b.png: x");
 }
 
 // Escaped in JSON they are plain ASCII in the file.

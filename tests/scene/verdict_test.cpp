@@ -38,7 +38,7 @@ TEST(Verdict, SaysWhatItsFactsSay) {
             "2.4 is chance)");
   alpha.degree = Degree::not_determined;
   alpha.causes = {{Cause::Kind::halves_of_photos, {8, 2.4, 6, 5}}};
-  EXPECT_THAT(sentence(alpha), HasSubstr("0.41 %, so the photos do not tell it; halves of the photos contradict"));
+  EXPECT_THAT(sentence(alpha), HasSubstr("0.41 %, so the photos do not determine it; halves of the photos contradict"));
   EXPECT_THAT(sentence(alpha), HasSubstr("it rests on few of the photos"));
   EXPECT_EQ(sentence(given_verdict()), "given, and held fixed");
   Verdict depth;

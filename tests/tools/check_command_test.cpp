@@ -73,7 +73,7 @@ TEST(CheckCarve, OnePageAndOneQuestion) {
                                          "--out", "my.html", "--gcode",       "a.gcode", "a-frame.gcode"};
   const Outcome good = run_burin(folder, command);
   EXPECT_EQ(good.exit_code, 0) << good.err;
-  EXPECT_THAT(good.out, AllOf(HasSubstr("warning: nobody knows how even"), HasSubstr("a.gcode  3 scratches"),
+  EXPECT_THAT(good.out, AllOf(HasSubstr("warning: the sheet's flatness is unknown"), HasSubstr("a.gcode  3 scratches"),
                               HasSubstr("a-frame.gcode  carves nothing"), HasSubstr("Z -0.0100 to 5.3000 mm"),
                               HasSubstr("Is the sheet clamped"), HasSubstr("Wrote my.html")));
   const std::string page = file_text(folder / "my.html");

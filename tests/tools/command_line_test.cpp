@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <tuple>
 
 #include "tests/tools/program.h"
 #include "tools/commands.h"
@@ -166,14 +167,26 @@ TEST(CommandLine, TextAndDataSayTheSame) {
     "lens": {"focal": {"value": 3000.25, "unit": "px", "sigma": 0.5}}, "views": [{"view": "d0"}, {"view": "d1"}]})"));
 }
 
-// docs/json.md lists each code of the program, and no other.
+// docs/json.md lists each code of the program, and no other, and so does the schema.
 TEST(CommandLine, TheCodesOfErrorsAreListed) {
   std::string table;
   for (const ErrorCodeText& code : error_codes()) {
     EXPECT_STREQ(name_of(code.code), code.name);
     table += "| `" + std::string(code.name) + "` | " + code.meaning + " |\n";
   }
-  EXPECT_THAT(file_text(places::source() + "/docs/json.md"), HasSubstr("| code | meaning |\n| --- | --- |\n" + table));
+  const std::string page = file_text(places::source() + "/docs/json.md"), head = "| code | meaning |\n| --- | --- |\n";
+  EXPECT_THAT(page, HasSubstr(head + table + "\n"));
+  std::set<std::string> names;
+  for (const ErrorCodeText& code : error_codes()) names.insert(code.name);
+  table.clear();
+  for (const FindingCodeText& code : finding_codes()) {
+    EXPECT_STREQ(name_of(code.code), code.name);
+    table += "| `" + std::string(code.name) + "` | " + code.meaning + " |\n";
+    EXPECT_TRUE(names.insert(code.name).second) << code.name << " is an error's code as well";
+  }
+  EXPECT_THAT(page, ::testing::EndsWith(head + table));
+  const auto schema = nlohmann::json::parse(file_text(places::source() + "/docs/schema/result.schema.json"));
+  EXPECT_EQ(schema["$defs"]["diagnostic"]["properties"]["code"]["enum"], nlohmann::json(names));
 }
 
 TEST(CommandLine, OldNamesOfOptionsWorkWithANote) {
@@ -216,10 +229,26 @@ TEST(CommandLine, JsonNamesTheFilesThatWereWritten) {
 
 TEST(CommandLine, VersionAndHelpAreDone) {
   const TemporaryFolder folder;
-  EXPECT_THAT(run_burin(folder, {"--version"}).out, HasSubstr("burin "));
+  EXPECT_THAT(run_burin(folder, {"--version"}).out,
+              ::testing::MatchesRegex("burin [0-9]+\\.[0-9]+\\.[0-9]+(-dev\\.[0-9]+\\+g[0-9a-f]+(\\.dirty)?)?\n"));
   const Outcome help = run_burin(folder, {"--help"});
   EXPECT_EQ(help.exit_code, 0);
   EXPECT_THAT(help.out, HasSubstr("calibrate"));
+}
+
+// NO_COLOR (no-color.org) is kept at a terminal, too, and without the variable there is no color either:
+// docs/README.md.
+TEST(CommandLine, NothingIsPrintedInColor) {
+  const TemporaryFolder folder;
+  for (const char* words : {"--help", "design none.json --out d", "desing"})
+    for (const char* setting : {"NO_COLOR=1", "TERM=xterm-256color"}) {
+      const std::string line = "cd " + quoted(folder.path().string()) + "; " + setting + " script -qec " +
+                               quoted(quoted(places::program()) + " " + words) + " typescript >/dev/null </dev/null";
+      std::ignore = std::system(line.c_str());
+      const std::string shown = file_text(folder / "typescript");
+      EXPECT_GT(shown.size(), 100U) << line;
+      EXPECT_THAT(shown, ::testing::Not(::testing::ContainsRegex("\x1b\\[[0-9;]*m"))) << line;
+    }
 }
 
 TEST(CommandLine, MachinesOfTheLoopMayBeToml) {

@@ -125,8 +125,7 @@ TEST_F(DesignCommand, CtrlCKeepsWhatThereIsAndItGoesOn) {
                    "kill -INT $pid; wait $pid; echo exit code $?; }");
   EXPECT_THAT(run.out, HasSubstr("exit code 130")) << run.err;
   EXPECT_THAT(run.err, HasSubstr("note: stopping with what there is so far; press Ctrl-C again to end at once"));
-  EXPECT_THAT(run.err,
-              HasSubstr("burin: stopped by Ctrl-C (SIGINT) before it was done; what there was by then is kept"));
+  EXPECT_THAT(run.err, HasSubstr("burin: stopped by Ctrl-C (SIGINT) before it was done; the files so far are kept"));
   EXPECT_THAT(run.out, HasSubstr("Go on with: burin design bench/design.json --out out --from out/scratches.csv"));
   const Json stopped = read(folder_ / "out" / "design-report.json");
   EXPECT_TRUE(stopped["stopped_early"].get<bool>());

@@ -31,8 +31,8 @@ TEST(Html, PageBeginsWithTheOutcome) {
   Page all{"Title", "Outcome."};
   all.next = "do it";
   all.pictures = "<h2>Pictures</h2>";
-  all.findings = {{Finding::Severity::warning, {}, "look at <this>", "do that"},
-                  {Finding::Severity::error, "dir/a.gcode", "it digs", ""}};
+  all.findings = {{FindingCode::picture, Finding::Severity::warning, {}, "look at <this>", "do that"},
+                  {FindingCode::gcode_unsafe, Finding::Severity::error, "dir/a.gcode", "it digs", ""}};
   all.body = "<h2>Body</h2>";
   const std::string text = page(all);
   std::size_t before = 0;
@@ -50,7 +50,8 @@ TEST(Html, PageBeginsWithTheOutcome) {
 }
 
 TEST(Html, ManyFindingsAreFoldedButNoError) {
-  const Finding note{Finding::Severity::note, {}, "a note", ""}, error{Finding::Severity::error, {}, "an error", ""};
+  const Finding note{FindingCode::picture, Finding::Severity::note, {}, "a note", ""},
+      error{FindingCode::picture, Finding::Severity::error, {}, "an error", ""};
   EXPECT_THAT(cards({7, note}), Not(HasSubstr("<details")));  // folding one saves nothing
   EXPECT_THAT(cards({9, note}), HasSubstr("<b>3 more</b>"));
   EXPECT_THAT(cards({9, error}), Not(HasSubstr("<details")));

@@ -34,6 +34,7 @@
 #include "tools/loop/unknown.h"
 #include "tools/report/carve_check.h"
 #include "tools/rounds_quality.h"
+#include "tools/version.h"
 
 namespace burin {
 namespace {
@@ -72,7 +73,7 @@ class LoopAnswering : public ::testing::Test {
     MadeRecord made;
     made.stage = name_of(at.stage);
     made.status = status;
-    made.burin = BURIN_VERSION;
+    made.burin = version();
     made.options = basis.options;
     made.inputs = hashes_of(loop_.project, basis.files, hashes);
     made.outputs = hashes_of(loop_.project, outputs_of(loop_, at), hashes);

@@ -299,7 +299,7 @@ TEST(LoopMishaps, ProjectOfBeforeThereWereRecordsIsAskedAbout) {
   fs::remove_all(p.project / "round-01" / "made");
   const Outcome asked = p.loop();
   EXPECT_EQ(asked.exit_code, 1);
-  EXPECT_THAT(asked.err, HasSubstr("no record tells what it was made from"));
+  EXPECT_THAT(asked.err, HasSubstr("no record has its inputs"));
   ASSERT_EQ(p.loop({"--allow-stale"}).exit_code, 0);
   EXPECT_EQ(p.loop().exit_code, 0);
   EXPECT_EQ(p.text("round-01/board.gcode"), gcode);

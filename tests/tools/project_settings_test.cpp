@@ -239,7 +239,7 @@ TEST(ProjectSettings, ADesignNamesAKeepOutWhoseHeightIsNotKnown) {
   const std::vector<std::string> design{"design", "project/design.json", "--out", "d", "--count", "50", "--pixels",
                                         "48",     "--iterations",        "1"};
   EXPECT_THAT(p.in(".", design).err,
-              AllOf(HasSubstr("board.json"), HasSubstr("nobody said how high the keep-out clamp stands"),
+              AllOf(HasSubstr("board.json"), HasSubstr("the height of the keep-out clamp is unknown"),
                     HasSubstr("\"height_mm\"")));
   board["keep_out"][0]["height_mm"] = 0;
   p.folder.write("project/board.json", board.dump());

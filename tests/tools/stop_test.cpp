@@ -129,7 +129,7 @@ TEST_F(Stop, WhatCannotBeWrittenEndsInASentence) {
   EXPECT_FALSE(left());
   const Outcome closed = run("{ sleep 1; " + burin() + " design --help; echo exit code $? >&2; } | true");
   EXPECT_THAT(closed.err, HasSubstr("exit code 1\n"));
-  EXPECT_THAT(closed.err, HasSubstr("burin: standard output: what was said could not be written"));
+  EXPECT_THAT(closed.err, HasSubstr("burin: standard output: the text could not be written"));
   for (const char* command : {" status nowhere", " report nowhere", " watch nowhere", " --json status nowhere"}) {
     const Outcome none = run(burin() + command + " <&- >&- 2>&-; echo exit code $?");
     EXPECT_THAT(none.out, HasSubstr("exit code 1\n")) << command;

@@ -481,14 +481,14 @@ TEST_F(WatchCommand, FoldersNameTheLamps) {
   fs::copy_file(folder / "in/a-1.jpg", folder / "in/left/b-1.jpg");
   Outcome run = run_burin(folder, {"watch", "my board", "--photos", "in", "--copy", "--once"});
   EXPECT_EQ(run.exit_code, 0) << run.err;
-  EXPECT_THAT(run.out, AllOf(HasSubstr("put them into in/lamp and in/left, or say which is on with --lamp NAME"),
-                             HasSubstr("a-1.jpg: shot \"p1\""), HasSubstr("nothing tells which lamp was on"),
+  EXPECT_THAT(run.out, AllOf(HasSubstr("put them into in/lamp and in/left, or name it with --lamp NAME"),
+                             HasSubstr("a-1.jpg: shot \"p1\""), HasSubstr("the lamp is unknown"),
                              HasSubstr("b-1.jpg (lamp \"left\"): shot \"p1\"")));
   EXPECT_TRUE(fs::exists(project / "round-01/photos/left/b-1.jpg"));
   EXPECT_FALSE(fs::exists(project / "round-01/photos/a-1.jpg"));
   run = run_burin(folder, {"watch", "my board", "--photos", "in", "--copy", "--once", "--lamp", "lamp"});
   EXPECT_EQ(run.exit_code, 0) << run.err;
-  EXPECT_THAT(run.out, AllOf(HasSubstr("1 of 2 shots, 1 begun"), Not(HasSubstr("nothing tells"))));
+  EXPECT_THAT(run.out, AllOf(HasSubstr("1 of 2 shots, 1 begun"), Not(HasSubstr("the lamp is unknown"))));
   EXPECT_TRUE(fs::exists(project / "round-01/photos/lamp/a-1.jpg"));
   EXPECT_THAT(run_burin(folder, {"watch", "my board", "--photos", "in", "--lamp", "lefd"}).err,
               HasSubstr("--lamp lefd: no photos are wanted under a lamp of that name; choose one of: lamp, left"));

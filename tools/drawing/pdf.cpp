@@ -15,6 +15,7 @@
 #include <utility>
 
 #include "burin/base/error.h"
+#include "tools/version.h"
 
 namespace burin {
 namespace {
@@ -142,7 +143,7 @@ std::string with_true_size(std::string bytes) {
 
 void require_good(cairo_status_t status, const std::string& title) {
   if (status != CAIRO_STATUS_SUCCESS)
-    fail(title, std::string("cannot be drawn: cairo says \"") + cairo_status_to_string(status) + "\"",
+    fail(title, std::string("cannot be drawn by cairo: \"") + cairo_status_to_string(status) + "\"",
          "check that Debian's own libcairo2 is installed");
 }
 
@@ -156,7 +157,7 @@ std::string pdf(std::span<const Drawing> pages, const PdfPaper& paper) {
       cairo_surface_destroy);
   cairo_pdf_surface_restrict_to_version(surface.get(), CAIRO_PDF_VERSION_1_4);
   cairo_pdf_surface_set_metadata(surface.get(), CAIRO_PDF_METADATA_TITLE, as_utf8(paper.title).c_str());
-  cairo_pdf_surface_set_metadata(surface.get(), CAIRO_PDF_METADATA_CREATOR, "burin " BURIN_VERSION);
+  cairo_pdf_surface_set_metadata(surface.get(), CAIRO_PDF_METADATA_CREATOR, ("burin " + version()).c_str());
   // The present date would make every file different.
   cairo_pdf_surface_set_metadata(surface.get(), CAIRO_PDF_METADATA_CREATE_DATE, "2000-01-01T00:00:00Z");
   const std::unique_ptr<cairo_t, decltype(&cairo_destroy)> cairo(cairo_create(surface.get()), cairo_destroy);

@@ -81,7 +81,7 @@ void require_told_as_carved(const Project& project, int round) {
   const std::vector<ToldOtherwise> numbers = told_otherwise(project, round);
   if (numbers.empty()) return;
   fail((project.folder / "board.json").string(), in_words(numbers),
-       told_again(project, numbers) + ": photos of that board do not tell what the machine makes of another number");
+       told_again(project, numbers) + ": its photos do not determine the machine's depth for another number");
 }
 
 }  // namespace burin

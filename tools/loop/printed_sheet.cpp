@@ -8,6 +8,7 @@
 #include "burin/base/error.h"
 #include "tools/content_hash.h"
 #include "tools/loop/record.h"
+#include "tools/version.h"
 
 namespace burin {
 namespace {
@@ -50,7 +51,7 @@ void record_sheet(const Project& project, const WantedBench& wanted, const std::
   MadeRecord record;
   record.stage = "sheet";
   record.status = MadeRecord::Status::done;
-  record.burin = BURIN_VERSION;
+  record.burin = version();
   record.options = shown_on_sheet(wanted);
   for (const fs::path& file : {wanted.board_file, wanted.bench_file, wanted.scratches})
     if (!file.empty()) record.inputs[path_in_project(project.folder, file)] = content_hash(file);

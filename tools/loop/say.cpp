@@ -21,6 +21,7 @@
 #include "tools/match_views.h"
 #include "tools/photographed_lamps.h"
 #include "tools/report/carve_check.h"
+#include "tools/version.h"
 #include "tools/where_to_stand.h"
 
 namespace burin {
@@ -101,7 +102,7 @@ bool is_whole(const std::vector<StageState>& states, int round) {
   return std::all_of(states.begin(), states.end(), [&](const StageState& state) {
     return state.at.round != round ||
            (state.up_to_date() &&
-            (!state.record || (state.record->accepted_unknown.empty() && state.record->burin == BURIN_VERSION)));
+            (!state.record || (state.record->accepted_unknown.empty() && state.record->burin == version())));
   });
 }
 
@@ -142,8 +143,8 @@ std::string table_of(const LoopProject& loop, const std::vector<StageState>& sta
       const std::string photos = counted(photos_of(loop.project, round).size(), "photo");
       words = state.changes.empty() ? photos : photos + ", " + words;
     }
-    if (state.record && state.record->holds() && state.record->burin != BURIN_VERSION)
-      words += fmt::format(" (made by Burin {}; this is {})", state.record->burin, BURIN_VERSION);
+    if (state.record && state.record->holds() && state.record->burin != version())
+      words += fmt::format(" (made by Burin {}; this is {})", state.record->burin, version());
     if (state.record && !state.record->accepted_unknown.empty()) {
       words += "; accepted without being determined:";
       for (const std::string& name : state.record->accepted_unknown) words += " " + name;
@@ -160,7 +161,7 @@ LoopQuestion question_of(const LoopProject& loop, const StageState& state) {
       state.photographed && (state.at.stage == StageKind::design || state.at.stage == StageKind::toolpath);
   LoopQuestion question;
   if (state.condition == Condition::not_recorded)
-    question.what = fmt::format("{} is there, but no record tells what it was made from", place);
+    question.what = fmt::format("{} exists, but no record has its inputs", place);
   else if (state.changed(StageChange::Kind::output) && !has_result(loop, state.at))
     question.what = fmt::format("{}, which {} made", in_words(state.changes), place);
   else
@@ -169,14 +170,14 @@ LoopQuestion question_of(const LoopProject& loop, const StageState& state) {
   if (!told.empty()) question.what += ": " + in_words(told);
   const std::string keep = fmt::format("`{}` goes on with it as it is", loop_line(project, "--allow-stale"));
   const std::string again =
-      fmt::format("`{}` makes it anew (what it replaces goes to {})", loop_line(project, "--force " + place),
+      fmt::format("`{}` makes it again (the former goes to {})", loop_line(project, "--force " + place),
                   (folder_of(project, state.at) / "former").string());
   if (!told.empty())
     question.remedy = told_again(project, told) + (has_result(loop, state.at) ? "; or " + keep : "");
   else if (!has_result(loop, state.at))
     question.remedy = metal ? "put it back: that board is carved and photographed" : again;
   else if (metal)
-    question.remedy = keep + "; it is not made anew, since that board is carved and photographed";
+    question.remedy = keep + "; it is not made again, since that board is carved and photographed";
   else
     question.remedy = again + ", " + keep;
   return question;
@@ -206,16 +207,16 @@ LoopQuestion question_of(const LoopProject& loop, const std::vector<StageState>&
     return all;
   }
   if (can_make_all)
-    all.remedy = fmt::format("`{}` makes all of it anew (what it replaces goes to the rounds' former/)",
+    all.remedy = fmt::format("`{}` makes all of it again (the former goes to the rounds' former/)",
                              loop_line(loop.project, again));
   else if (!again.empty())
-    all.remedy = fmt::format("`{}` makes anew what can be and goes on with the rest as it is",
+    all.remedy = fmt::format("`{}` makes again all that it can, and continues with the rest as it is",
                              loop_line(loop.project, again + " --allow-stale"));
   if (can_keep_all)
     all.remedy += fmt::format("{}`{}` goes on with all as it is", all.remedy.empty() ? "" : ", ",
                               loop_line(loop.project, "--allow-stale"));
   else if (can_make_all && missing_again != again)
-    all.remedy += fmt::format(", `{}` makes anew what is missing alone",
+    all.remedy += fmt::format(", `{}` makes only the missing parts again",
                               loop_line(loop.project, missing_again + " --allow-stale"));
   if (!told.empty()) all.remedy = told + "; or " + all.remedy;
   return all;

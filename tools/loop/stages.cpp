@@ -201,7 +201,11 @@ bool make_design(const LoopProject& loop, int number) {
   }
   if (const auto depth = depth_of_round(loop.project, loop.options, number);
       depth && !loop.options.design.contains("depth") && !frees_depth(loop.options)) {
-    tell(Finding{depth->as_wanted() ? Finding::Severity::note : Finding::Severity::warning, {}, in_words(*depth), ""});
+    tell(Finding{FindingCode::depth_chosen,
+                 depth->as_wanted() ? Finding::Severity::note : Finding::Severity::warning,
+                 {},
+                 in_words(*depth),
+                 ""});
     o.depth_um = depth->depth_um;
     step.say("--depth", shortest(depth->depth_um));
   }

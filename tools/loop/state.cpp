@@ -6,6 +6,7 @@
 #include <array>
 
 #include "burin/base/error.h"
+#include "tools/version.h"
 
 namespace burin {
 namespace {
@@ -138,7 +139,7 @@ void record_check(const LoopProject& loop, int number, bool good) {
   ContentHashes hashes;
   const StageBasis basis = basis_of(loop, at);
   record->status = good ? MadeRecord::Status::done : MadeRecord::Status::begun;
-  record->burin = BURIN_VERSION;
+  record->burin = version();
   record->options = basis.options;
   record->inputs = hashes_of(loop.project, basis.files, hashes);
   record->outputs = hashes_of(loop.project, outputs_of(loop, at), hashes);
@@ -248,7 +249,7 @@ std::string in_words(const StageState& state) {
     case Condition::not_begun:
       return "not begun";
     case Condition::not_recorded:
-      return "is there, but nothing tells what it was made from";
+      return "exists, but no record has its inputs";
     case Condition::stopped:
       return "begun, and not ended";
     case Condition::interrupted:

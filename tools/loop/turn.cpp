@@ -16,6 +16,7 @@
 #include "tools/loop/say.h"
 #include "tools/loop/unknown.h"
 #include "tools/stop_signal.h"
+#include "tools/version.h"
 
 namespace burin {
 namespace {
@@ -59,7 +60,7 @@ StageOfRound stage_of(const LoopProject& loop, const std::string& words) {
   if (metal && at.round > 0 && is_photographed(project, at.round))
     fail("--force " + words,
          fmt::format("the board of {} is carved and photographed", project.round(at.round).filename().string()),
-         fmt::format("`{}` designs the next one; copy the project's own files to another folder to begin anew",
+         fmt::format("`{}` designs the next one; copy the project's own files to another folder to start over",
                      loop_line(project)));
   return at;
 }
@@ -160,7 +161,7 @@ void settle(Turn& turn) {
 void refuse_early_photos(const Turn& turn, const StageState& state) {
   if (!state.photographed || !(state.at.stage == StageKind::design || state.at.stage == StageKind::toolpath)) return;
   fail((turn.loop.project.round(state.at.round) / "photos").string(),
-       fmt::format("holds photos (or they were measured), but {} is not done: no one knows what that board was told",
+       fmt::format("holds photos (or they were measured), but {} is not done: the commands of that board are unknown",
                    name_of(turn.loop.project, state.at)),
        "move the photos out of there until that board is carved, and session.json with them");
 }
@@ -181,11 +182,11 @@ void refuse_unknown(Turn& turn, int round) {
   for (const UnknownParameter& u : told.accepted) {
     names.push_back(u.name);
     const bool refuted = rests_on(u.verdict, Cause::Kind::believed_refuted);
-    tell(make_warning(in_short({u}) + "; the next design goes on with what " +
-                      (u.verdict.known() ? "the photos told"
-                       : refuted         ? "explains the photos best"
-                                         : "was believed") +
-                      ", as accepted"));
+    tell(make_warning(FindingCode::parameter_undetermined, in_short({u}) + "; the next design uses the value that " +
+                                                               (u.verdict.known() ? "the photos determine"
+                                                                : refuted         ? "explains the photos best"
+                                                                                  : "was believed") +
+                                                               ", as accepted"));
   }
   const fs::path file = record_file(loop.project, {round, StageKind::refine});
   std::optional<MadeRecord> record = read_record(file);
@@ -234,12 +235,12 @@ void make(Turn& turn, const StageState& state) {
   const StageBasis basis = basis_of(loop, state.at);
   MadeRecord record;
   record.stage = name_of(state.at.stage);
-  record.burin = BURIN_VERSION;
+  record.burin = version();
   record.options = basis.options;
   record.inputs = hashes_of(loop.project, basis.files, turn.hashes);
   const fs::path aside = begin_stage(loop, state.at, record, turn.hashes);
   if (!aside.empty())
-    print_event("moved", {{"folder", aside.string()}}, fmt::format("what was there is now in {}\n", aside.string()));
+    print_event("moved", {{"folder", aside.string()}}, fmt::format("the former files are now in {}\n", aside.string()));
   if (!turn.again.contains(state.at)) {
     const fs::path from = restore_former(loop, state.at, record, turn.hashes);
     if (!from.empty()) {

@@ -46,7 +46,7 @@ std::vector<Finding> weakly_known_in(const Bench& measured, const std::filesyste
   std::vector<Finding> weak;
   for (const auto& [name, verdict] : measured.verdict)
     if (must_be_known(name) && verdict.degree == Degree::weakly)
-      weak.push_back({Finding::Severity::warning, file,
+      weak.push_back({FindingCode::parameter_undetermined, Finding::Severity::warning, file,
                       fmt::format("{} is {}, and the next design rests on it: {}", name, how_far_known(verdict),
                                   sentence(verdict)),
                       ""});

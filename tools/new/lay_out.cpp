@@ -116,11 +116,12 @@ void find_shortfalls(const BenchWishes& wanted, LaidOutBench& bench) {
   const Lens& lens = wanted.camera.lens;
   const double crowded = crowding(lens, bench.eyes_mm, bench.board), needed = needed_px(lens);
   if (crowded > 1)
-    bench.findings.push_back(
-        make_warning("from " + meters(bench.stand_mm) + " the camera sees only a part of the board",
-                     "stand about " + meters(bench.stand_mm * crowded) + " away (--stand), or use a wider lens"));
+    bench.findings.push_back(make_warning(
+        FindingCode::coverage, "from " + meters(bench.stand_mm) + " the camera sees only a part of the board",
+        "stand about " + meters(bench.stand_mm * crowded) + " away (--stand), or use a wider lens"));
   if (bench.tag_px < needed)
     bench.findings.push_back(make_warning(
+        FindingCode::tags_small,
         fmt::format("from {} the smallest tag is only {:.0f} pixels wide, and {:.0f} are needed for it to be found",
                     meters(bench.stand_mm), bench.tag_px, needed),
         "stand about " + meters(bench.stand_mm * bench.tag_px / needed) +

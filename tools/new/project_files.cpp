@@ -138,10 +138,12 @@ Finding why_unlike(int unlike, int views, const Board& board) {
   const std::string which = fmt::format("{} of the {} pictures", unlike, views);
   if (views <= kFew)
     return make_warning(
+        FindingCode::view_limit,
         fmt::format("{} can hardly be recognized in the preview", views == 1 ? "the picture" : which),
         "take pictures with large light shapes on a dark ground, a larger board (--board) or more scratches "
         "(--scratches)");
   return make_warning(
+      FindingCode::view_limit,
       fmt::format("{} can hardly be recognized in the preview: {:.0f} x {:.0f} mm are small for so many", which,
                   area.x(), area.y()),
       "take a larger board (--board), or fewer pictures: one to three show most");

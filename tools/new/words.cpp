@@ -170,7 +170,7 @@ Eigen::Vector2d size_in_words(const std::string& text, const std::string& what) 
 
 SaidLamp lamp_in_words(const std::string& text) {
   const std::string remedy =
-      "say above, below, left or right (or above left, ...), with a distance from the board's middle if you like: "
+      "write above, below, left or right (or above left, ...), with a distance from the board's middle if you like: "
       "\"above 600mm\"; or a place, X,Y,Z in mm from the board's lower left corner, Z in front of it: 100,700,800";
   const std::string word = trimmed_lower(text);
   SaidLamp lamp;
@@ -200,7 +200,7 @@ SaidLamp lamp_in_words(const std::string& text) {
       more = true;
     }
   }
-  if (!(direction.norm() > 0.5)) fail("lamp", "\"" + text + "\" says no direction", remedy);
+  if (!(direction.norm() > 0.5)) fail("lamp", "\"" + text + "\" is not a direction", remedy);
   if (!rest.empty()) lamp.distance_mm = length_in_words(rest, "lamp \"" + text + "\"");
   lamp.azimuth_deg = std::atan2(direction.y(), direction.x()) * 180 / std::numbers::pi;
   return lamp;
@@ -228,7 +228,7 @@ SaidCamera nominal(double focal_35mm, int width, int height, const std::string& 
 SaidCamera camera_of_photo(const std::filesystem::path& file) {
   const Exif exif = read_exif(file);
   const std::string instead =
-      "say the focal length as on film instead: --camera 26mm for a phone's main camera, 50mm, ...";
+      "give the focal length as on film instead: --camera 26mm for a phone's main camera, 50mm, ...";
   std::optional<double> focal = exif.focal_35mm;
   if (!focal && exif.focal_mm && exif.sensor_width_mm) {
     // EXIF defines it by the diagonals.
@@ -238,16 +238,16 @@ SaidCamera camera_of_photo(const std::filesystem::path& file) {
   }
   if (!focal && exif.focal_mm)
     fail(file.string(),
-         fmt::format("says a focal length of {:.3g} mm, but neither what that is on film nor how large the sensor is",
+         fmt::format("has a focal length of {:.3g} mm, but neither its value on film nor the sensor's size",
                      *exif.focal_mm),
          instead);
   if (!focal)
-    fail(file.string(), "says no focal length (many programs drop EXIF)",
+    fail(file.string(), "has no focal length in EXIF (many programs drop it)",
          "give a photo as the camera wrote it, or " + instead);
   const std::string name = exif.model.empty() ? file.filename().string() : exif.model;
   constexpr double kWidest = 3, kLongest = 3000;
   if (*focal < kWidest || *focal > kLongest || exif.width < 16 || exif.height < 16)
-    fail(file.string(), fmt::format("says a focal length of {:.3g} mm as on film, which no camera has", *focal),
+    fail(file.string(), fmt::format("has a focal length of {:.3g} mm as on film, which no camera has", *focal),
          instead);
   // bench.json has two decimals.
   return nominal(std::round(*focal * 100) / 100, exif.width, exif.height, name);
@@ -264,7 +264,7 @@ SaidCamera camera_in_words(const std::string& text) {
   std::error_code ignored;
   if (!std::filesystem::exists(text, ignored))
     fail("camera", "\"" + text + "\" is neither a word for a camera nor a file",
-         "say phone, a focal length as on film (50mm), a photo that the camera took (photo.jpg), or a .cameramodel");
+         "write phone, a focal length as on film (50mm), a photo that the camera took (photo.jpg), or a .cameramodel");
   const std::filesystem::path file = text;
   if (file.extension() != ".cameramodel") return camera_of_photo(file);
   const Lens lens = read_cameramodel(file);

@@ -52,7 +52,7 @@ std::string depth_text(const CarveCheck& check) { return range_text(check.least_
 // Commanded depth, if it differs.
 std::string told_text(const CarveCheck& check) {
   const std::string told = range_text(check.least_depth_um, check.most_depth_um);
-  return told == depth_text(check) ? "" : fmt::format(" (the machine is told {})", told);
+  return told == depth_text(check) ? "" : fmt::format(" (commanded: {})", told);
 }
 
 // Table of the tool's path.
@@ -132,7 +132,7 @@ std::string sheet_drawing(const CarveCheck& check, const Board& board) {
              "gray: "
              "tags and keep-outs; dashed: the carve area{}{}.</p>\n",
              board.size_mm.x(), board.size_mm.y(), every > 1 ? fmt::format("; one scratch in {} is drawn", every) : "",
-             check.faulty.empty() ? "" : "; red: what must not be carved");
+             check.faulty.empty() ? "" : "; red: must not be carved");
 }
 
 // Predicted pictures from the design's own report. Empty without one.
@@ -164,7 +164,8 @@ Promise promise_of(const fs::path& folder) {
          fmt::format("<b>As promised</b> {}<span class=\"more\">{}</span>", unbroken(promised), more), "As promised"}};
     all += compared("View " + name, figures, 0, 1);
     if (is_unlike(likeness))
-      out.findings.push_back({Severity::warning,
+      out.findings.push_back({FindingCode::view_limit,
+                              Severity::warning,
                               {},
                               fmt::format("view {}: few would recognize it: its correlation with its picture is {:.2f} "
                                           "(1: alike), with another's {:.2f}",
@@ -172,7 +173,8 @@ Promise promise_of(const fs::path& folder) {
                               "do not carve it like this: give the board fewer pictures or more room, or this picture "
                               "more contrast"});
     if (allows < kRecognizable_db)
-      out.findings.push_back({Severity::warning,
+      out.findings.push_back({FindingCode::view_limit,
+                              Severity::warning,
                               {},
                               fmt::format("view {}: the plain face's own light allows {:.1f} dB only, which is hard to "
                                           "recognize",
@@ -184,12 +186,14 @@ Promise promise_of(const fs::path& folder) {
     for (const auto& [rule, count] : report.raw("dropped_by_limits").items())
       if (count.is_number() && count.get<double>() > 0)
         out.findings.push_back(
-            {Severity::note,
+            {FindingCode::scratches_changed,
+             Severity::note,
              {},
              fmt::format("{} left out of the design: {}", grouped(std::llround(count.get<double>()), "scratch"), rule),
              ""});
   if (report.has("stopped_early") && report.boolean("stopped_early"))
-    out.findings.push_back({Severity::warning, {}, "the design was stopped before it was finished", ""});
+    out.findings.push_back(
+        {FindingCode::start_cut_short, Severity::warning, {}, "the design was stopped before it was finished", ""});
   append(out.findings, design_findings(report));
   return out;
 }

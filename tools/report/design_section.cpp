@@ -153,10 +153,10 @@ std::string how_it_got_there(JsonObject& report, const std::vector<std::string>&
 std::vector<Finding> design_findings(JsonObject& report) {
   std::vector<Finding> out;
   for (const auto& warning : report.raw("warnings"))
-    out.push_back({Finding::Severity::warning, {}, warning.get<std::string>(), ""});
+    out.push_back({FindingCode::recorded, Finding::Severity::warning, {}, warning.get<std::string>(), ""});
   if (report.has("notes"))
     for (const auto& note : report.raw("notes"))
-      out.push_back({Finding::Severity::note, {}, note.get<std::string>(), ""});
+      out.push_back({FindingCode::recorded, Finding::Severity::note, {}, note.get<std::string>(), ""});
   return out;
 }
 

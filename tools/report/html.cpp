@@ -11,6 +11,7 @@
 #include "embedded/report_files.h"
 #include "tools/content_policy.h"
 #include "tools/local_time.h"
+#include "tools/version.h"
 
 namespace burin {
 namespace {
@@ -152,7 +153,7 @@ std::string page(const Page& page) {
       "</main>\n{}</body></html>\n",
       content_policy(scripts, styles), html(page.title), elements(styles, "style"), html(page.title), page.outcome,
       page.next.empty() ? "" : "<p class=\"next\"><b>" + page.next_word + ":</b> " + page.next + "</p>\n", inside,
-      page.body, BURIN_VERSION, local_time("%Y-%m-%d %H:%M"), elements(scripts, "script"));
+      page.body, version(), local_time("%Y-%m-%d %H:%M"), elements(scripts, "script"));
 }
 
 }  // namespace burin

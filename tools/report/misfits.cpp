@@ -23,7 +23,7 @@ std::string picture_of(const Misfit& misfit) {
   ChartWords words;
   words.x_label = "pixels in groups, by " + quantity_in_words(misfit);
   words.y_label = "% of the light";
-  words.description = "What photos show less what the model says, in percent, by " + quantity_in_words(misfit);
+  words.description = "Photos minus model, in percent, by " + quantity_in_words(misfit);
   for (const Misfit::Class& c : misfit.classes) words.x_names.push_back(c.name);
   words.marks = true;
   words.of_dashed = "one sigma of the mean";

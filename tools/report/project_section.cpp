@@ -486,7 +486,8 @@ std::vector<Finding> findings_of(const Rounds& in, const std::vector<ViewHistory
     const bool several = light_names(in.spec.views[k].light).size() > 1;
     if (in.measured > 0 && !view.rounds[static_cast<std::size_t>(in.measured - 1)].photographed.there())
       out.push_back(
-          {Finding::Severity::warning,
+          {FindingCode::position_changed,
+           Finding::Severity::warning,
            {},
            fmt::format("view {}: no photo of round {} shows it as it is to be seen", view.view, in.measured),
            fmt::format("take {} from its designed place, or name it: burin loop {} --view {}=PHOTOGRAPHED_VIEW",

@@ -101,8 +101,8 @@ Image target_of(const DesignedPicture& asked) {
   Image target = read_picture(asked.target);
   if ((target.channels == 3) != asked.white_gain.has_value())
     fail(asked.target.string(),
-         fmt::format("has {} channels, and the design's report says that view {} is shown in {}", target.channels,
-                     asked.view, asked.white_gain ? "color" : "gray"),
+         fmt::format("has {} channels, and in the design's report view {} is shown in {}", target.channels, asked.view,
+                     asked.white_gain ? "color" : "gray"),
          "make the design again: its files do not belong together");
   return target;
 }
@@ -123,7 +123,9 @@ std::string rerun_sentence(std::span<const RerunView> views) {
 
 std::vector<Finding> rerun_findings(std::span<const RerunView> views) {
   std::vector<Finding> out;
-  const auto note = [&](std::string what) { out.push_back({Finding::Severity::note, {}, std::move(what), ""}); };
+  const auto note = [&](std::string what) {
+    out.push_back({FindingCode::view_limit, Finding::Severity::note, {}, std::move(what), ""});
+  };
   for (const RerunView& v : views) {
     const double cost = v.promised_before_db - v.seen_before_db, gain = v.after_db() - v.seen_before_db;
     if (cost < kHardlySeen_db)
@@ -136,7 +138,8 @@ std::vector<Finding> rerun_findings(std::span<const RerunView> views) {
           v.view, cost, v.promised_before_db, v.seen_before_db,
           gain > 0 ? fmt::format("regains {:.1f} dB of them", gain) : "regains none of them", v.promised_after_db));
     if (v.seen_after_db && v.promised_after_db - *v.seen_after_db > kHardlySeen_db)
-      out.push_back(make_warning(fmt::format("view {} still loses {:.1f} dB to what the measured bench does not know",
+      out.push_back(make_warning(FindingCode::view_limit,
+                                 fmt::format("view {} still loses {:.1f} dB to what the measured bench does not know",
                                              v.view, v.promised_after_db - *v.seen_after_db)));
   }
   return out;

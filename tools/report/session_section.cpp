@@ -454,16 +454,18 @@ std::vector<Finding> findings_of(const Loaded& in) {
   std::vector<Finding> out;
   for (const auto& [name, verdict] : in.bench.verdict) {
     if (verdict.determined()) continue;
-    out.push_back({verdict.known() ? Finding::Severity::note : Finding::Severity::warning,
+    out.push_back({FindingCode::parameter_undetermined,
+                   verdict.known() ? Finding::Severity::note : Finding::Severity::warning,
                    {},
                    parameter::in_words(name) +
-                       (verdict.known() ? ": the photos tell it only weakly" : ": the photos do not tell it"),
+                       (verdict.known() ? ": the photos determine it only weakly" : ": the photos do not determine it"),
                    verdict.next_photo ? "the photo that would help most: " + sentence(*verdict.next_photo, verdict.unit)
                                       : "why stands under “What the photos determine”"});
   }
   const auto left_out = std::ranges::count_if(in.residuals.corners, &ShownResidual::left_out);
   if (left_out > 0)
-    out.push_back({Finding::Severity::note,
+    out.push_back({FindingCode::outliers_omitted,
+                   Finding::Severity::note,
                    {},
                    fmt::format("{} of {} left out: they contradict the others", grouped(left_out, "tag corner"),
                                grouped(static_cast<long long>(in.residuals.corners.size()))),
@@ -485,7 +487,7 @@ std::string outcome_of(const Loaded& in) {
       fmt::format("The bench was measured from {}", grouped(static_cast<long long>(bench.views.size()), "view"));
   if (with_tags > 0) out += fmt::format("; its tags fit to {:.3f} px", std::sqrt(squares / with_tags));
   if (open > 0)
-    out += fmt::format(", but {} not told by these photos",
+    out += fmt::format(", but {} not determined by these photos",
                        open == 1 ? "one thing is" : fmt::format("{} things are", open));
   return out + ".";
 }
@@ -507,7 +509,7 @@ std::string next_of(const Loaded& in, const std::filesystem::path& session, cons
 
 std::string residual_words(const Loaded& in, double factor) {
   const std::string blue = "Blue: where the solved bench says each tag is. ";
-  if (in.residuals.corners.empty()) return blue + "No residuals.vnl lies beside bench.json, so no arrows are drawn.";
+  if (in.residuals.corners.empty()) return blue + "No residuals.vnl lies next to bench.json, so no arrows are drawn.";
   return blue +
          fmt::format(
              "Yellow: from each found corner, its residual, drawn {} times as long as it is; red: corners that "
@@ -548,11 +550,12 @@ ViewShown view_shown(const Loaded& in, const MergedView& merged, bool first_of_v
   const auto view = std::ranges::find(in.bench.views, merged.view, &View::name);
   const std::string lights = known_lights(in.bench, merged.light);
   if (view == in.bench.views.end() || lights.empty()) {
-    out.left_out = {Finding::Severity::warning,
+    out.left_out = {FindingCode::photo_omitted,
+                    Finding::Severity::warning,
                     {},
                     fmt::format("view {} was left out of the calibration: it has no {} in bench.json", merged.view,
                                 view == in.bench.views.end() ? "pose" : "lamp"),
-                    "what burin calibrate said of it tells why"};
+                    "burin calibrate's messages give the reason"};
     return out;
   }
   out.comparison = comparison(in, merged, *view, find_lit(in.bench, lights, "session.json"));

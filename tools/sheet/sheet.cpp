@@ -57,8 +57,10 @@ Finding eyes_and_floor(const Sheet& sheet) {
   const double usual = usual_hang_height_mm(sheet.board, sheet.places);
   if (std::abs((low + high) / 2 - kStandingEye_mm) > kKnees_mm && sheet.hang_height_mm != usual)
     return make_warning(
-        eyes, fmt::format("{}: hang the board's middle at {:.0f} mm (--hang-height {:.0f})", standing, usual, usual));
-  return {Finding::Severity::note,
+        FindingCode::hang_height, eyes,
+        fmt::format("{}: hang the board's middle at {:.0f} mm (--hang-height {:.0f})", standing, usual, usual));
+  return {FindingCode::hang_height,
+          Finding::Severity::note,
           {},
           eyes,
           standing + (high - low < 10 ? "" : ", and knees bend from one place to the next")};
@@ -157,7 +159,8 @@ std::vector<Finding> findings(const Sheet& sheet) {
   for (const SheetPlace& place : sheet.places)
     if (const double height = above_floor(sheet, place.at_mm.y()); height < 0)
       out.push_back(
-          make_warning(fmt::format("{} is {:.0f} mm below the floor when the board's middle hangs at {:.0f} mm",
+          make_warning(FindingCode::hang_height,
+                       fmt::format("{} is {:.0f} mm below the floor when the board's middle hangs at {:.0f} mm",
                                    full_name(place), -height, sheet.hang_height_mm),
                        fmt::format("hang it at least {:.0f} mm higher (--hang-height {:.0f})", -height,
                                    std::ceil((sheet.hang_height_mm - height) / 50) * 50)));

@@ -368,7 +368,7 @@ void TetheredCamera::State::take_in(const CameraFilePath& path, const fs::path& 
 CameraEventType TetheredCamera::State::take_in_next(const fs::path& folder, std::vector<LateFile>& late) {
   CameraEventType event{};
   void* data = nullptr;
-  must(gp_camera_wait_for_event(camera, kQuiet_ms, &event, &data, context), "it says nothing of its photo");
+  must(gp_camera_wait_for_event(camera, kQuiet_ms, &event, &data, context), "it reports no photo");
   const std::unique_ptr<void, void (*)(void*)> owner(data, std::free);
   if (event != GP_EVENT_FILE_ADDED || data == nullptr || releases.empty()) return event;
   const auto& path = *static_cast<const CameraFilePath*>(data);

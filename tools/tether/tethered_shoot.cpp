@@ -47,8 +47,8 @@ void put_late(const std::vector<LateFile>& late) {
 void name_other_time(const Exif& exif, double asked_s) {
   constexpr double kSameTime = 0.1;  // 1/60 means 1/64; neighbors differ by a fourth
   if (exif.exposure_s && std::abs(std::log(*exif.exposure_s / asked_s)) > kSameTime)
-    tell(make_warning(fmt::format("the camera took {} for the {} asked; what it took counts",
-                                  shutter_words(*exif.exposure_s), shutter_words(asked_s))));
+    tell(make_warning(FindingCode::exif, fmt::format("the camera took {} instead of {}; its own time counts",
+                                                     shutter_words(*exif.exposure_s), shutter_words(asked_s))));
 }
 
 // Takes and judges a photo; null if it was stopped before its first file.
@@ -270,7 +270,8 @@ void shoot_tethered(const TetheredShoot& how, Shoot& shoot, const PhotoTold& tol
       if (!wait_for_enter()) break;
     }
     const std::string why = take_bracket(camera, how.stops, how.photos, shoot, told, &StopOnSignal::asked);
-    if (!why.empty() && !StopOnSignal::asked()) tell(make_warning("the bracket is not whole: " + why));
+    if (!why.empty() && !StopOnSignal::asked())
+      tell(make_warning(FindingCode::exposure, "the bracket is not whole: " + why));
     if (how.once) break;
   }
   print_event("disconnected", {}, "\n");

@@ -14,6 +14,7 @@
 #include "tools/content_policy.h"
 #include "tools/report/html.h"
 #include "tools/report/pictures.h"
+#include "tools/version.h"
 #include "tools/view/bench_scene.h"
 #include "tools/view/packed_scratches.h"
 
@@ -180,7 +181,7 @@ std::string view_page(const BoardView& view, const Progress& progress) {
   const std::vector<std::string> scripts{bench_scene_script(), text("board_gl.js"), text("viewer.js")},
       styles{text("viewer.css"), bench_scene_style()};
   return filled(embedded::view("viewer.html"), {{"policy", content_policy(scripts, styles)},
-                                                {"generator", "burin " BURIN_VERSION},
+                                                {"generator", "burin " + version()},
                                                 {"title", html(view.title)},
                                                 {"sentence", html(view.boards.front().sentence)},
                                                 {"style", styles[0]},

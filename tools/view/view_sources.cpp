@@ -78,7 +78,7 @@ std::optional<ViewedBoard> measured_round(const Project& project, int number, st
   if (!fs::exists(round / "sent.csv")) return std::nullopt;
   Matching matching = match_round(project, number);
   if (!matching.complete()) {
-    findings.push_back({Finding::Severity::warning, round / "bench.json",
+    findings.push_back({FindingCode::views_undecided, Finding::Severity::warning, round / "bench.json",
                         "it is not decided which photos are the designed views, so the board as carved is left out",
                         "`burin loop " + shell_word(project.folder.string()) + "` asks"});
     return std::nullopt;
@@ -145,17 +145,21 @@ void find_far_lights(const BoardView& view, std::vector<Finding>& findings) {
       for (const std::string& id : light_names(picture.light))
         if (!find_light(viewed.bench, id, "the viewer").is_near()) left_out.insert(id);
   for (const std::string& id : left_out)
-    findings.push_back(make_warning("light \"" + id +
-                                    "\" is no lamp, and the viewer does not show its light where one "
-                                    "moves: the small pictures below do"));
+    findings.push_back(
+        make_warning(FindingCode::page_shortened, "light \"" + id +
+                                                      "\" is no lamp, and the viewer does not show its light where one "
+                                                      "moves: the small pictures below do"));
 }
 
 void find_mesh(const Board& board, std::vector<Finding>& findings) {
   if (!board.mesh.empty())
-    findings.push_back(make_warning(board.mesh.string() + " bends the board, and the viewer shows it flat"));
+    findings.push_back(make_warning(FindingCode::page_shortened,
+                                    board.mesh.string() + " bends the board, and the viewer shows it flat"));
   if (board.bend)
-    findings.push_back(make_warning(fmt::format(
-        "board.json bends the board to a radius of {} mm, and the viewer shows it flat", board.bend->radius_mm)));
+    findings.push_back(
+        make_warning(FindingCode::page_shortened,
+                     fmt::format("board.json bends the board to a radius of {} mm, and the viewer shows it flat",
+                                 board.bend->radius_mm)));
 }
 
 }  // namespace

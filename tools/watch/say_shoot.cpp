@@ -222,7 +222,10 @@ Json last_photo_json(const Shoot& shoot, double seconds, double processor_second
   }
   json["faults"] = Json::array();
   for (const Finding& fault : photo.faults)
-    json["faults"].push_back({{"severity", in_words(fault.severity)}, {"what", fault.what}, {"remedy", fault.remedy}});
+    json["faults"].push_back({{"severity", in_words(fault.severity)},
+                              {"code", name_of(fault.code)},
+                              {"what", fault.what},
+                              {"remedy", fault.remedy}});
   json["now"] = next_words(shoot);
   json["state"] = state_words(shoot);
   return json;

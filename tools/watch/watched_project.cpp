@@ -47,10 +47,10 @@ void find_photos(const Project& project, const fs::path& round, const fs::path& 
   }
   if (round.empty())
     fail(project.folder.string(), "has no board to be photographed yet",
-         "make one: " + loop_line(project) + "; or say where photos arrive with --photos DIR");
+         "make one: " + loop_line(project) + "; or name the photos' folder with --photos DIR");
   if (fs::exists(round / "bench.json", ignored))
     fail(round.string(), "its photos are measured already",
-         "go on: " + loop_line(project) + "; or say which photos to judge with --photos DIR");
+         "go on: " + loop_line(project) + "; or name the photos to judge with --photos DIR");
   if (!fs::is_directory(out.keep, ignored)) make_output_folder(out.keep);
   out.photos = out.keep;
 }
