@@ -20,7 +20,10 @@
 #include "tools/hold_out_file.h"
 #include "tools/loop/options.h"
 #include "tools/loop/record.h"
+#include "tools/picture_quality.h"
+#include "tools/round_names.h"
 #include "tools/rounds_quality.h"
+#include "tools/watch/wanted_shots.h"
 
 namespace burin {
 namespace {
@@ -113,12 +116,21 @@ void read_as(const std::string& format, const fs::path& file) {
       {"burin/board", [](const fs::path& f) { read_board(f); }},
       {"burin/coupon", [](const fs::path& f) { read_coupon(f); }},
       {"burin/design", [](const fs::path& f) { read_design(f); }},
+      {"burin/design-report",
+       [](const fs::path& f) {
+         const Json json = read_json(f, "burin/design-report", 1);
+         JsonObject report(json, f.string());
+         quality_of_design(report, f);
+         for (JsonObject& iteration : report.objects("history")) iteration.number("loss");
+       }},
       {"burin/heights", [](const fs::path& f) { read_heights(f); }},
       {"burin/hold-out", [](const fs::path& f) { read_hold_out(f.parent_path()); }},
       {"burin/loop", [](const fs::path& f) { read_loop_options(f.parent_path()); }},
       {"burin/machine",
        [](const fs::path& f) { machine_profile(f.has_parent_path() ? f.string() : "./" + f.string()); }},
       {"burin/made", [](const fs::path& f) { read_record(f); }},
+      {"burin/names", [](const fs::path& f) { read_names(f); }},
+      {"burin/plan", [](const fs::path& f) { planned_shots(f, Board()); }},
       {"burin/rig-truth", [](const fs::path& f) { read_bench_truth(f); }},
       {"burin/rounds", [](const fs::path& f) { read_rounds(f); }},
       {"burin/session", [](const fs::path& f) { read_session(f); }},

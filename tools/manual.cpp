@@ -8,6 +8,9 @@
 #include <string_view>
 #include <vector>
 
+#include "burin/optimize/machine_profile.h"
+#include "tools/version.h"
+
 namespace burin {
 namespace {
 
@@ -61,7 +64,7 @@ std::string positionals_of(const CLI::App& command) {
 }
 
 std::string title(const std::string& name) {
-  return fmt::format(".TH {} 1 \"\" \"burin {}\" \"User Commands\"\n", roff(name), BURIN_VERSION);
+  return fmt::format(".TH {} 1 \"\" \"burin {}\" \"User Commands\"\n", roff(name), version());
 }
 
 // ---- Markdown ----
@@ -138,8 +141,15 @@ std::string manual_page(const CLI::App& burin, const CLI::App* command) {
 namespace {
 
 // The values of an option with a fixed set of them. CLI11 keeps the set as a part of its type: "TEXT:{keep,short}".
+// A machine may also be a file.
 std::vector<std::string> values_of(const CLI::Option& option) {
-  const std::string type = option.get_type_name();
+  std::string type = option.get_type_name();
+  if (option.get_lnames().front() == "machine") {
+    type = "{" + built_in_machines() + "}";
+    for (const char* between : {", ", " or "})
+      for (std::size_t at; (at = type.find(between)) != std::string::npos;)
+        type.replace(at, std::string_view(between).size(), ",");
+  }
   const std::size_t from = type.find('{'), to = type.find('}', from == std::string::npos ? 0 : from);
   if (from == std::string::npos || to == std::string::npos) return {};
   std::vector<std::string> values{""};
@@ -160,6 +170,8 @@ std::vector<const CLI::Option*> long_options(const CLI::App& app) {
       for (const CLI::Option* option : long_options(*part)) out.push_back(option);
   return out;
 }
+
+bool or_file(const CLI::Option& option) { return option.get_lnames().front() == "machine"; }
 
 // The commands with their path: "check", "check carve".
 void walk(const CLI::App& app, const std::string& path,
@@ -199,8 +211,8 @@ std::string bash_completion(const CLI::App& burin) {
     cases += fmt::format("    \"{}\") words=\"{}\" ;;\n", name, words_for(command));
     for (const CLI::Option* option : long_options(command))
       if (const auto of = values_of(*option); !of.empty())
-        values += fmt::format("    \"{} --{}\") COMPREPLY=($(compgen -W \"{}\" -- \"$current\")); return ;;\n", name,
-                              option->get_lnames().front(), fmt::join(of, " "));
+        values += fmt::format("    \"{} --{}\") COMPREPLY=($(compgen{} -W \"{}\" -- \"$current\")); return ;;\n", name,
+                              option->get_lnames().front(), or_file(*option) ? " -f" : "", fmt::join(of, " "));
   });
   return fmt::format(
       "# bash completion for burin\n"
@@ -214,7 +226,8 @@ std::string bash_completion(const CLI::App& burin) {
       "{}"
       "  esac\n"
       "  case $command in\n"
-      "    \"\") words=\"{}\" ;;\n"
+      "    \"\") words=\"{} help\"; [[ \" ${{COMP_WORDS[*]:1:COMP_CWORD-1}} \" != *\" help \"* ]] || words=\"{} all\" "
+      ";;\n"
       "{}"
       "  esac\n"
       "  if [[ $current == -* || -z $command || \" $words\" != \" -\"* ]]; then\n"
@@ -233,7 +246,7 @@ std::string bash_completion(const CLI::App& burin) {
         });
         return patterns;
       }(),
-      values, words_for(burin), cases);
+      values, words_for(burin), names_below(burin), cases);
 }
 
 std::string fish_completion(const CLI::App& burin) {
@@ -241,13 +254,18 @@ std::string fish_completion(const CLI::App& burin) {
   for (const CLI::App* command : burin.get_subcommands({}))
     out += fmt::format("complete -c burin -n __fish_use_subcommand -a {} -d {}\n", command->get_name(),
                        quoted_for_shell(command->get_description()));
+  out += fmt::format(
+      "complete -c burin -n __fish_use_subcommand -a help -d 'Print the options of a command, and an example'\n"
+      "complete -c burin -f -n '__fish_seen_subcommand_from help' -a 'all {}'\n",
+      names_below(burin));
   const auto add = [&](const CLI::App& app, const std::string& condition) {
     for (const CLI::Option* option : long_options(app)) {
       const auto values = values_of(*option);
-      out += fmt::format("complete -c burin{} -l {}{}{} -d {}\n", condition, option->get_lnames().front(),
-                         option->get_items_expected_max() == 0 ? "" : " -r",
-                         values.empty() ? "" : fmt::format(" -f -a '{}'", fmt::join(values, " ")),
-                         quoted_for_shell(option->get_description()));
+      out += fmt::format(
+          "complete -c burin{} -l {}{}{} -d {}\n", condition, option->get_lnames().front(),
+          option->get_items_expected_max() == 0 ? "" : " -r",
+          values.empty() ? "" : fmt::format("{} -a '{}'", or_file(*option) ? "" : " -f", fmt::join(values, " ")),
+          quoted_for_shell(option->get_description()));
     }
   };
   add(burin, "");
@@ -279,7 +297,11 @@ std::string zsh_completion(const CLI::App& burin) {
       std::string spec = fmt::format("--{}[{}]", option->get_lnames().front(), plain(option->get_description()));
       if (option->get_items_expected_max() != 0) {
         const auto values = values_of(*option);
-        spec += values.empty() ? ":value:_files" : fmt::format(":value:({})", fmt::join(values, " "));
+        const std::string words = fmt::format("({})", fmt::join(values, " "));
+        spec += values.empty() ? ":value:_files"
+                : or_file(*option)
+                    ? fmt::format(":value:{{_alternative \"names:name:{}\" \"files:file:_files\"}}", words)
+                    : ":value:" + words;
       }
       out += " \\\n      " + quoted_for_shell((option->get_items_expected_max() == 0 ? "" : "*") + spec);
     }
@@ -288,10 +310,12 @@ std::string zsh_completion(const CLI::App& burin) {
   std::string cases, commands;
   for (const CLI::App* command : burin.get_subcommands({}))
     commands += " " + quoted_for_shell(command->get_name() + ":" + plain(command->get_description()));
+  commands += " 'help:Print the options of a command, and an example'";
   walk(burin, "", [&](const std::string& name, const CLI::App& command) {
     const std::string below = names_below(command);
-    cases += fmt::format("    {}) _arguments{}{} '*:file:_files' ;;\n", quoted_for_shell(name), arguments(command),
-                         below.empty() ? "" : fmt::format(" \\\n      '1:command:({})'", below));
+    cases +=
+        fmt::format("    {}) _arguments{}{} '*:file:_files' ;;\n", quoted_for_shell(name), arguments(command),
+                    below.empty() ? "" : fmt::format(" \\\n      '2:command:({})'", below));  // 1: the command above
   });
   return fmt::format(
       "#compdef burin\n"
@@ -304,6 +328,7 @@ std::string zsh_completion(const CLI::App& burin) {
       "    case \"$command $word\" in{}) command=\"${{command:+$command }}$word\" ;; esac\n"
       "  done\n"
       "  case $command in\n"
+      "    help) compadd all {} ;;\n"
       "    '') _describe command commands; _arguments{} ;;\n"
       "{}"
       "  esac\n"
@@ -311,14 +336,14 @@ std::string zsh_completion(const CLI::App& burin) {
       "_burin \"$@\"\n",
       commands,
       [&] {
-        std::string patterns;
+        std::string patterns = " \" help\"";
         walk(burin, "", [&](const std::string& name, const CLI::App&) {
           const std::size_t space = name.rfind(' ');
           patterns += (patterns.empty() ? " \"" : "|\"") + (space == std::string::npos ? " " + name : name) + "\"";
         });
         return patterns;
       }(),
-      arguments(burin), cases);
+      names_below(burin), arguments(burin), cases);
 }
 
 }  // namespace burin

@@ -103,11 +103,20 @@ struct ContentCheck {
   }
 };
 
+FieldObserver field_observer;
+
+void observe(const std::string& where, const std::string& key, const std::string& kind) {
+  if (field_observer) field_observer(where, key, kind);
+}
+
 }  // namespace
+
+void observe_fields(FieldObserver observer) { field_observer = std::move(observer); }
 
 JsonObject::JsonObject(const Json& json, std::string where) : json_(&json), where_(std::move(where)) {
   if (!json.is_object()) fail_as(ErrorCode::bad_json, where_, described(json), "write an object in braces { } here");
   if (where_.find(": ") == std::string::npos) asked_ = {"format", "version"};  // a whole file: read_json checked them
+  observe(where_, "", "begin");
 }
 
 void JsonObject::fail_field(const std::string& key, const std::string& what, const std::string& remedy) const {
@@ -116,15 +125,20 @@ void JsonObject::fail_field(const std::string& key, const std::string& what, con
 }
 
 bool JsonObject::has(const std::string& key) const {
+  observe(where_, key, "may be missing");
   asked_.insert(key);
   return json_->contains(key);
 }
 
-const Json& JsonObject::raw(const std::string& key) {
-  if (!has(key)) {
+const Json& JsonObject::raw(const std::string& key) { return wanted(key, "any"); }
+
+const Json& JsonObject::wanted(const std::string& key, const std::string& kind) {
+  observe(where_, key, kind);
+  asked_.insert(key);
+  if (!json_->contains(key)) {
     // A misspelt key appears as a missing one: the message names the unknown keys.
     std::vector<std::string> strangers;
-    for (const std::string& stranger : keys())
+    for (const std::string& stranger : all_keys())
       if (!asked_.contains(stranger)) strangers.push_back(stranger);
     const std::string meant = near_match(key, strangers);
     fail_field(key, "is missing",
@@ -133,7 +147,7 @@ const Json& JsonObject::raw(const std::string& key) {
   return (*json_)[key];
 }
 
-double JsonObject::number(const std::string& key) { return number_in(raw(key), key); }
+double JsonObject::number(const std::string& key) { return number_in(wanted(key, "number"), key); }
 
 double JsonObject::number_in(const Json& value, const std::string& key) const {
   if (!value.is_number()) fail_field(key, described(value), "write a number");
@@ -148,24 +162,24 @@ double JsonObject::number_in(const Json& value, const std::string& key) const {
 double JsonObject::number(const std::string& key, double fallback) { return has(key) ? number(key) : fallback; }
 
 double JsonObject::positive(const std::string& key) {
-  const double v = number(key);
-  if (!(v > 0)) fail_field(key, described(raw(key)), "write a number greater than 0");
+  const double v = number_in(wanted(key, "positive"), key);
+  if (!(v > 0)) fail_field(key, described((*json_)[key]), "write a number greater than 0");
   return v;
 }
 
 double JsonObject::positive(const std::string& key, double fallback) { return has(key) ? positive(key) : fallback; }
 
 int JsonObject::integer(const std::string& key) {
-  const double v = number(key);
+  const double v = number_in(wanted(key, "integer"), key);
   if (v != std::floor(v) || std::abs(v) > std::numeric_limits<int>::max())
-    fail_field(key, described(raw(key)), "write a whole number of at most 9 digits");
+    fail_field(key, described((*json_)[key]), "write a whole number of at most 9 digits");
   return static_cast<int>(v);
 }
 
 int JsonObject::integer(const std::string& key, int fallback) { return has(key) ? integer(key) : fallback; }
 
 bool JsonObject::boolean(const std::string& key) {
-  const Json& value = raw(key);
+  const Json& value = wanted(key, "boolean");
   if (!value.is_boolean()) fail_field(key, described(value), "write true or false");
   return value.get<bool>();
 }
@@ -173,7 +187,7 @@ bool JsonObject::boolean(const std::string& key) {
 bool JsonObject::boolean(const std::string& key, bool fallback) { return has(key) ? boolean(key) : fallback; }
 
 std::string JsonObject::text(const std::string& key) {
-  const Json& value = raw(key);
+  const Json& value = wanted(key, "text");
   if (!value.is_string()) fail_field(key, described(value), "write text in double quotes");
   if (!is_printable(value.get_ref<const std::string&>()))
     fail_field(key, "holds a control character", "write text on one line: no line breaks, no tabs, no escapes");
@@ -185,7 +199,7 @@ std::string JsonObject::text(const std::string& key, const std::string& fallback
 }
 
 std::vector<double> JsonObject::numbers(const std::string& key, int count) {
-  const Json& value = raw(key);
+  const Json& value = wanted(key, "numbers " + std::to_string(count));
   const std::string expected =
       count < 0 ? "write an array of numbers" : "write an array of " + std::to_string(count) + " numbers";
   if (!value.is_array() || (count >= 0 && value.size() != static_cast<std::size_t>(count)))
@@ -213,7 +227,7 @@ Eigen::Vector3d JsonObject::vec3(const std::string& key, const Eigen::Vector3d& 
 }
 
 Eigen::MatrixXd JsonObject::matrix(const std::string& key, int rows, int cols) {
-  const Json& value = raw(key);
+  const Json& value = wanted(key, "matrix " + std::to_string(rows) + " " + std::to_string(cols));
   const std::string expected =
       "write " + std::to_string(rows) + " rows of " + std::to_string(cols) + " numbers, each row an array";
   if (!value.is_array() || value.size() != static_cast<std::size_t>(rows)) fail_field(key, described(value), expected);
@@ -230,12 +244,12 @@ Eigen::MatrixXd JsonObject::matrix(const std::string& key, int rows, int cols) {
 }
 
 JsonObject JsonObject::object(const std::string& key) {
-  const Json& value = raw(key);
+  const Json& value = wanted(key, "object");
   return {value, where_ + (where_.find(": ") == std::string::npos ? ": " : ".") + key};
 }
 
 std::vector<JsonObject> JsonObject::objects(const std::string& key) {
-  const Json& value = raw(key);
+  const Json& value = wanted(key, "objects");
   if (!value.is_array()) fail_field(key, described(value), "write an array of objects");
   const std::string place = where_ + (where_.find(": ") == std::string::npos ? ": " : ".") + key;
   std::vector<JsonObject> list;
@@ -245,14 +259,20 @@ std::vector<JsonObject> JsonObject::objects(const std::string& key) {
 }
 
 std::vector<std::string> JsonObject::keys() const {
+  observe(where_, "", "map");
+  return all_keys();
+}
+
+std::vector<std::string> JsonObject::all_keys() const {
   std::vector<std::string> list;
   for (const auto& item : json_->items()) list.push_back(item.key());
   return list;
 }
 
 void JsonObject::finish() const {
+  observe(where_, "", "finish");
   const std::vector<std::string> known(asked_.begin(), asked_.end());
-  for (const std::string& key : keys()) {
+  for (const std::string& key : all_keys()) {
     if (asked_.contains(key)) continue;
     const std::string meant = near_match(key, known);
     fail_field(key, "unknown key",

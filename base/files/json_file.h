@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 #include <filesystem>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <string>
@@ -53,11 +54,21 @@ class JsonObject {
 
  private:
   double number_in(const Json& value, const std::string& key) const;
+  const Json& wanted(const std::string& key, const std::string& kind);  // throws if missing
+  std::vector<std::string> all_keys() const;
 
   const Json* json_;
   std::string where_;
   mutable std::set<std::string> asked_;
 };
+
+/// Called with each request of a JsonObject: the object's place, a key of it, and the kind of value that the reader
+/// wants: "number", "positive", "integer", "boolean", "text", "numbers 3", "matrix 4 4", "object", "objects", "any";
+/// "may be missing"; without key "begin", "map" (any keys) and "finish" (no other keys).
+using FieldObserver = std::function<void(const std::string& where, const std::string& key, const std::string& kind)>;
+
+/// Sets the process' observer; none by default. For the schemas of our files (scripts/schemas); one thread only.
+void observe_fields(FieldObserver observer);
 
 /// The object's "version". Throws Error for another "format", and for a version above `version` or below `oldest` (0:
 /// only `version` itself is valid).
