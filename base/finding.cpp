@@ -104,6 +104,7 @@ constexpr FindingCodeText kFindingCodes[] = {
     {FindingCode::view_limit, "view-limit", "A view's quality and its causes."},
     {FindingCode::views_collide, "views-collide", "Scratches of one view show in another (crosstalk)."},
     {FindingCode::views_undecided, "views-undecided", "The photos of the designed views are not decided."},
+    {FindingCode::wall_board, "wall-board", "A board of a wall failed, or waits for an answer."},
     {FindingCode::wrong_board, "wrong-board", "A photo shows another board."},
     {FindingCode::wrong_grooves, "wrong-grooves", "Photos show other grooves than the scratches of board.json."},
 };

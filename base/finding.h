@@ -91,6 +91,7 @@ enum class FindingCode {
   view_limit,
   views_collide,
   views_undecided,
+  wall_board,
   wrong_board,
   wrong_grooves
 };

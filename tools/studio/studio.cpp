@@ -17,6 +17,7 @@
 #include "tools/content_hash.h"
 #include "tools/project.h"
 #include "tools/studio/studio_names.h"
+#include "tools/version.h"
 #include "tools/watch/watched_project.h"
 #include "tools/work_lock.h"
 
@@ -273,7 +274,7 @@ Json Studio::project_json() const {
 Json Studio::state() {
   if (known_.is_null()) known_ = project_json();
   return {{"revision", revision_},
-          {"burin", BURIN_VERSION},
+          {"burin", version()},
           {"folder", folder_.string()},
           {"name", folder_.filename().string()},
           {"machines", built_in_machines()},

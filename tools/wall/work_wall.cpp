@@ -19,6 +19,7 @@
 #include "tools/loop/say.h"
 #include "tools/loop/turn.h"
 #include "tools/stop_signal.h"
+#include "tools/version.h"
 #include "tools/wall/claim.h"
 #include "tools/wall/lay_wall.h"
 #include "tools/wall/wall_preview.h"
@@ -36,8 +37,8 @@ constexpr const char* kSettle = "settle";  // the claim for the couplings
 void require_one_program(const fs::path& claims) {
   make_output_folder(claims);
   const fs::path file = claims / "program.json";
-  const std::string version = BURIN_VERSION, simd = name(resolved_simd(SimdWidth::best));
-  const Json mine{{"format", "burin/wall-program"}, {"version", 1}, {"burin", version}, {"simd", simd}};
+  const std::string own_version = version(), simd = name(resolved_simd(SimdWidth::best));
+  const Json mine{{"format", "burin/wall-program"}, {"version", 1}, {"burin", own_version}, {"simd", simd}};
   const Descriptor made(::open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0666));
   if (made) {
     if (const int error = write_all(made.number(), mine.dump() + "\n"); error != 0) {
@@ -54,13 +55,13 @@ void require_one_program(const fs::path& claims) {
   const Json json = read_json(file, "burin/wall-program", 1);
   JsonObject theirs(json, file.string());
   const std::string other_version = theirs.text("burin"), other_simd = theirs.text("simd");
-  if (other_version == version && other_simd == simd) return;
+  if (other_version == own_version && other_simd == simd) return;
   fail_as(
       ErrorCode::refused, file.string(),
       fmt::format("the wall's workers run burin {} with --simd {}, and this is burin {} with {}; their boards would "
                   "differ in the last bits",
-                  other_version, other_simd, version, simd),
-      other_version == version
+                  other_version, other_simd, own_version, simd),
+      other_version == own_version
           ? "start it as: burin --simd " + other_simd + " wall work"
           : "use the same version, or end all workers and remove this file to go on with this one");
 }
@@ -169,7 +170,7 @@ bool do_claimed(WallWork& w, const std::string& board, const std::string& stage,
       throw Stopped{};
     }
     claim->end(ClaimState::failed, error.what());
-    tell(make_warning(fmt::format("{}: {}", board, error.what())));
+    tell(make_warning(FindingCode::wall_board, fmt::format("{}: {}", board, error.what())));
     ++w.failed;
     w.finished.insert(board);
   }
@@ -201,14 +202,14 @@ Took take_next(WallWork& w) {
     if (need.kind == BoardNeed::Kind::answer) {
       ++w.asking;
       w.finished.insert(board);
-      tell(make_warning(fmt::format("board {} waits for an answer: {}", board, need.words),
+      tell(make_warning(FindingCode::wall_board, fmt::format("board {} waits for an answer: {}", board, need.words),
                         "give it with: burin loop " + shell_word((w.folder / board).string())));
     }
     if (need.kind != BoardNeed::Kind::preview && need.kind != BoardNeed::Kind::loop) continue;
     if (has_failed && !w.options.retry) {
       w.finished.insert(board);
       ++w.failed;
-      tell(make_warning(fmt::format("board {} failed before: {}", board, claim.text->words),
+      tell(make_warning(FindingCode::wall_board, fmt::format("board {} failed before: {}", board, claim.text->words),
                         "repair it and use --retry"));
       continue;
     }
