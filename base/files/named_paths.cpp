@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <fstream>
 #include <iterator>
 #include <mutex>
 #include <set>
@@ -12,6 +13,7 @@
 #include <utility>
 
 #include "burin/base/error.h"
+#include "burin/base/files/file_names.h"
 
 namespace burin {
 namespace {
@@ -92,6 +94,51 @@ fs::path project_of(fs::path folder) {
     if (folder == folder.parent_path()) break;
   }
   return {};
+}
+
+struct Magic {
+  std::string_view begin, kind;
+};
+constexpr std::array<Magic, 9> kMagics{{{"%pdf", "a PDF"},
+                                        {"\x89png", "a PNG picture"},
+                                        {"\xFF\xD8", "a JPEG picture"},
+                                        {"v/1\x01", "an EXR picture"},
+                                        {"ii*", "a TIFF picture"},
+                                        {"mm", "a TIFF picture"},
+                                        {"<!doctype html", "a web page"},
+                                        {"<html", "a web page"},
+                                        {"<", "a drawing"}}};
+
+// The value of "format" in a JSON text; empty: none.
+std::string format_of(const std::string& json) {
+  constexpr std::string_view kKey = "\"format\"";
+  const std::size_t key = json.find(kKey);
+  if (key == std::string::npos) return {};
+  const std::size_t from = json.find('"', key + kKey.size());
+  const std::size_t end = from == std::string::npos ? from : json.find('"', from + 1);
+  return end == std::string::npos ? std::string() : json.substr(from + 1, end - from - 1);
+}
+
+// A file's kind in words, by its first bytes; empty for an empty or missing file.
+std::string kind_of(const fs::path& file) {
+  constexpr std::size_t kHead = std::size_t{1} << 16;
+  std::string head(kHead, '\0');
+  std::ifstream in(file, std::ios::binary);
+  in.read(head.data(), static_cast<std::streamsize>(head.size()));
+  head.resize(static_cast<std::size_t>(in.gcount()));
+  if (head.empty()) return {};
+  const std::size_t begin = head.find_first_not_of("\xEF\xBB\xBF \t\r\n");
+  const std::string start = lower_case(begin == std::string::npos ? "" : head.substr(begin, 16));
+  if (head.find("lensmodel") != std::string::npos) return "a lens model";
+  if (start.starts_with('{')) {
+    const std::string format = format_of(head);
+    return format.empty() ? "a JSON file" : "a JSON file of the format " + format;
+  }
+  const auto* const magic =
+      std::find_if(kMagics.begin(), kMagics.end(), [&](const Magic& m) { return start.starts_with(m.begin); });
+  if (magic == kMagics.end()) return head.find('\0') == std::string::npos ? "a text file" : "a file of another kind";
+  if (magic->kind != "a web page") return std::string(magic->kind);
+  return lower_case(head).find("burin") == std::string::npos ? "a web page of another program" : "a web page";
 }
 
 }  // namespace
@@ -176,6 +223,19 @@ void fail_if_input(const fs::path& named, const fs::path& file) {
        was_read ? "is an input of this command, and its output would replace it"
                 : "is named twice on the command line, and is to be written",
        "give the output another name");
+}
+
+void fail_if_other_kind(const fs::path& named, const fs::path& file, const fs::path& part) {
+  const std::vector<fs::path>& outputs = outputs_now();
+  if (std::none_of(outputs.begin(), outputs.end(), [&](const fs::path& out) { return same_file(out, file); })) return;
+  {
+    const std::lock_guard<std::mutex> guard(traffic().mutex);
+    if (traffic().ours.contains(real_name(file))) return;
+  }
+  const std::string there = kind_of(file), now = kind_of(part);
+  if (there.empty() || there == now) return;
+  fail(named.string(), "is " + there + ", and " + now + " would replace it",
+       "give the output another name, or remove that file");
 }
 
 void fail_if_led_outside(const fs::path& named, const fs::path& real) {

@@ -1,6 +1,6 @@
 // burin/base/files/named_paths.h - files and folders that a person named. Burin writes only inside them: neither a
 // symbolic link nor an interrupted change (burin/base/files/files_together.h) leads out (a project may come from a
-// stranger, docs/security.md). No output replaces an input of the same command.
+// stranger, docs/security.md). No output replaces an input of the same command, or a file of another kind.
 //
 // A file with its own path on the command line (`--out FILE`) is written wherever links lead. Burin chooses all other
 // names (report.html, round-01/bench.json): they stay within the innermost named folder.
@@ -33,6 +33,12 @@ void note_input(std::uintmax_t device, std::uintmax_t number);
 /// twice. The check covers values of output options (--out, --sent, --animate) and files next to them or within them,
 /// under any name. A file written by this command itself is permitted.
 void fail_if_input(const std::filesystem::path& named, const std::filesystem::path& file);
+
+/// Throws Error if the command line names the output `file` (links resolved), and the existing file is of another kind
+/// than `part`, its new content. The first bytes decide the kind. JSON files differ in kind by their "format", pages by
+/// Burin's name. An empty file has no kind, and files under allow_change_of() are permitted.
+void fail_if_other_kind(const std::filesystem::path& named, const std::filesystem::path& file,
+                        const std::filesystem::path& part);
 
 /// Permits this command to write `file` again: it has written it, or its task is to update it.
 void allow_change_of(const std::filesystem::path& file);

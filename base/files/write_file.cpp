@@ -29,6 +29,12 @@ FilePlace place_to_write(const fs::path& file) {
 }
 
 void put_in_place(const FilePlace& place, const fs::path& part, bool durable) {
+  try {
+    fail_if_other_kind(place.named, place.file, part);
+  } catch (...) {
+    remove_part(part);
+    throw;
+  }
   allow_change_of(place.file);
   if (joins_change(place, part)) return;
   const auto whole = finishing();

@@ -111,6 +111,34 @@ TEST(NamedPaths, NoLinkLeadsOutOfAFolderThatWasNamed) {
   EXPECT_EQ(file_text(folder / "home/new"), "by another program");
 }
 
+// `--out thesis.txt`, said by mistake.
+TEST(NamedPaths, AFileOfAnotherKindIsNotReplaced) {
+  const TemporaryFolder folder;
+  const fs::path out = folder / "out";
+  const std::string page = "<!doctype html>\n<meta name=\"generator\" content=\"burin 1\">new";
+  const std::string map = R"({"format": "burin/heights"})";
+  const auto write = [&](const std::string& there, const std::string& now) {
+    folder.write("out", there);
+    const NamedPaths named({"x", "--out", out.string()});
+    write_text(now, out);
+    write_text("again, by the same command", out);
+  };
+  for (const std::string there :
+       {"my thesis", "<html>of mine</html>", "\x89PNG\r\n\x1a\n", R"({"format": "burin/board"})", "[1, 2]", "PK\3\4"})
+    for (const std::string& now : {page, map}) {
+      EXPECT_THAT([&] { write(there, now); }, ThrowsMessage<Error>(HasSubstr("would replace it"))) << there;
+      EXPECT_EQ(file_text(out), there);
+    }
+  EXPECT_EQ(folder.file_count(), 1u);
+  write("<!DOCTYPE HTML>\n<title>Burin</title>", page);
+  write(R"({"version": 1, "format":"burin/heights"})", map);
+  write("", page);
+  EXPECT_EQ(file_text(out), "again, by the same command");
+  folder.write("out", "text");
+  write_text(page, out);  // by another program
+  EXPECT_EQ(file_text(out), page);
+}
+
 TEST(WriteFile, WhatIsNoFileIsRefused) {
   const TemporaryFolder folder;
   ASSERT_EQ(::mkfifo((folder / "fifo.json").c_str(), 0600), 0);

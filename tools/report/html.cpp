@@ -146,7 +146,9 @@ std::string page(const Page& page) {
   if (!others.empty()) inside += "<h2>Warnings and notes</h2>\n" + cards(others);
   return fmt::format(
       "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">{}\n"
-      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>{}</title>\n{}</head>\n"
+      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
+      "<meta name=\"generator\" content=\"burin " BURIN_VERSION
+      "\">\n<title>{}</title>\n{}</head>\n"
       "<body><main>\n<h1>{}</h1>\n<p class=\"outcome\">{}</p>\n{}{}{}"
       "<footer>Written by Burin {} on {}. Lengths of boards are in mm, of grooves in µm; ± is "
       "one standard deviation. This page loads nothing from elsewhere.</footer>\n"

@@ -79,8 +79,9 @@ std::string sheet_html(const Sheet& sheet) {
     rows.push_back({"<label><input type=\"checkbox\"> " + xml_text(p.name) + "</label>", p.place, p.exposures, p.lamp});
   body += table_of({"photo", "place", "exposures", "lamp"}, rows) + "</section>\n";
   return "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n" + content_policy({}, {{style}}) +
-         "\n<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n<title>" + xml_text(sheet.name) +
-         ": where to stand</title>\n<style>" + style + "</style></head>\n<body><main>\n" + body +
+         "\n<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
+         "<meta name=\"generator\" content=\"burin " BURIN_VERSION "\">\n<title>" +
+         xml_text(sheet.name) + ": where to stand</title>\n<style>" + style + "</style></head>\n<body><main>\n" + body +
          "</main></body></html>\n";
 }
 
