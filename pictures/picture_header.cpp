@@ -18,6 +18,7 @@
 #include "burin/base/limits.h"
 #include "burin/pictures/heif_boxes.h"
 #include "burin/pictures/picture_bytes.h"
+#include "burin/pictures/picture_file.h"
 #include "burin/pictures/tiff_directory.h"
 
 namespace burin {
@@ -83,11 +84,17 @@ bool is_raw_tiff(std::string_view head, const std::vector<TiffDirectory>& direct
          has_raw_name(file);
 }
 
-/// Refuses JPEG XL, which the library for raw files cannot unpack.
-void refuse_jpeg_xl(const std::vector<TiffDirectory>& directories, const std::string& name) {
-  constexpr std::int64_t kJpegXl = 52546;  // DNG 1.7
-  if (std::any_of(directories.begin(), directories.end(),
-                  [](const TiffDirectory& d) { return d.compression == kJpegXl && d.sensor_values(); }))
+bool is_jpeg_xl(const TiffDirectory& d) {
+  return d.compression == 52546 || d.compression == 50002;
+}  // DNG 1.7; libtiff
+
+/// Refuses JPEG XL, which the libraries for raw files and TIFF cannot unpack.
+void refuse_jpeg_xl(const std::vector<TiffDirectory>& directories, bool is_raw, const std::string& name) {
+  if (!is_raw && !directories.empty() && is_jpeg_xl(directories.front()))
+    fail(name, "is a TIFF compressed by JPEG XL, which Burin does not read",
+         "save it as PNG, or as TIFF with another compression");
+  if (is_raw && std::any_of(directories.begin(), directories.end(),
+                            [](const TiffDirectory& d) { return is_jpeg_xl(d) && d.sensor_values(); }))
     fail(name, "is a raw file (DNG) compressed by JPEG XL, which Burin does not read",
          "on an iPhone choose JPEG Lossless, not JPEG-XL (Settings > Camera > Formats > ProRAW Format); or convert it "
          "with Adobe DNG Converter, compatibility Camera Raw 15.3 or older");
@@ -301,10 +308,22 @@ void each_png_chunk(PictureBytes& file, const Look& look) {
   }
 }
 
+bool matches_png_checksum(PictureBytes& file, const std::string& name, std::uintmax_t place, std::uintmax_t length) {
+  uLong sum = crc32(0, reinterpret_cast<const Bytef*>(name.data()), 4);
+  for (std::uintmax_t done = 0; done < length; done += limit::kMiB) {
+    const std::string piece = file.at(place + done, std::min<std::uintmax_t>(limit::kMiB, length - done));
+    sum = crc32(sum, reinterpret_cast<const Bytef*>(piece.data()), static_cast<uInt>(piece.size()));
+  }
+  return sum == file.big_endian(place + length, 4);
+}
+
 // libpng allocates the declared length of a note as a whole, for any length. Pixels come piece by piece. EXIF may
-// follow them, and OpenImageIO 2.4 ignores it there.
+// follow them, and OpenImageIO 2.4 ignores it there. libpng prints its own line to standard error before it fails, as
+// it does for unusable chunks: these have a name with a capital (PNG 1.2, 3.3).
 void png_size(PictureBytes& file, PictureHeader& header) {
   take(header, static_cast<std::int64_t>(file.big_endian(16, 4)), static_cast<std::int64_t>(file.big_endian(20, 4)));
+  constexpr std::uintmax_t kFirst = 16;  // the place of IHDR's content
+  std::string unusable;
   each_png_chunk(file, [&](const std::string& name, std::uintmax_t place, std::uintmax_t length) {
     if (name == "IDAT") return;
     if (length > file.size() - place - 4) file.broken("a chunk is longer than the file");
@@ -313,7 +332,12 @@ void png_size(PictureBytes& file, PictureHeader& header) {
     if (name == "acTL") header.moves = true;
     const bool text = name == "zTXt" || name == "tEXt";
     if (text && header.exif.empty()) header.exif = exif_of_raw_profile(file.at(place, length), name == "zTXt");
+    const bool belongs_there = place == kFirst ? name == "IHDR" : name == "PLTE" || (name.front() & 0x20) != 0;
+    if (unusable.empty() && !belongs_there) unusable = "its chunk " + name + " does not belong there";
+    if (unusable.empty() && (name == "IHDR" || name == "PLTE") && !matches_png_checksum(file, name, place, length))
+      unusable = "its chunk " + name + " does not match its checksum";
   });
+  if (!unusable.empty()) file.broken(unusable);
 }
 
 /// Size, and whether a second picture follows the first (GIF89a, 18 to 23).
@@ -460,9 +484,9 @@ PictureHeader read_picture_header(const fs::path& file) {
     directories = read_tiff_directories(bytes);
     if (is_raw_tiff(head, directories, file)) header.kind = "raw";
   }
+  refuse_jpeg_xl(directories, header.kind == "raw", file.string());
   if (header.kind == "raw") {
     refuse_hasselblad(bytes, directories, file.string());
-    refuse_jpeg_xl(directories, file.string());
     for (const TiffDirectory& d : directories) {
       take(header, d.width, d.height);
       if (d.sensor_values()) require_parts_within(bytes, d);
@@ -484,12 +508,7 @@ void require_whole_png(PictureBytes& bytes) {
   each_png_chunk(bytes, [&](const std::string& name, std::uintmax_t place, std::uintmax_t length) {
     if (name != "IDAT") return;
     if (length > bytes.size() - place - 4) bytes.cut_short("its pixels are not all there");
-    uLong sum = crc32(0, reinterpret_cast<const Bytef*>(name.data()), 4);
-    for (std::uintmax_t done = 0; done < length; done += limit::kMiB) {
-      const std::string piece = bytes.at(place + done, std::min<std::uintmax_t>(limit::kMiB, length - done));
-      sum = crc32(sum, reinterpret_cast<const Bytef*>(piece.data()), static_cast<uInt>(piece.size()));
-    }
-    if (sum != bytes.big_endian(place + length, 4)) bytes.broken("its pixels do not match their checksum");
+    if (!matches_png_checksum(bytes, name, place, length)) bytes.broken("its pixels do not match their checksum");
   });
 }
 

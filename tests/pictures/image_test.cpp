@@ -101,6 +101,13 @@ TEST(Picture, WhatIsNoPictureIsNamed) {
               ThrowsMessage<Error>(AllOf(HasSubstr("cut.png"), HasSubstr("is cut short"))));
   EXPECT_THAT([&] { read_picture(folder.write("flipped.png", flipped)); },
               ThrowsMessage<Error>(AllOf(HasSubstr("flipped.png"), HasSubstr("checksum"))));
+  std::string head = whole, critical = whole;
+  head[whole.find("IHDR") + 12] ^= 1;
+  critical.replace(whole.find("IDAT"), 4, "ABCD");
+  EXPECT_THAT([&] { read_picture(folder.write("head.png", head)); },
+              ThrowsMessage<Error>(AllOf(HasSubstr("head.png"), HasSubstr("IHDR does not match its checksum"))));
+  EXPECT_THAT([&] { read_picture(folder.write("critical.png", critical)); },
+              ThrowsMessage<Error>(AllOf(HasSubstr("critical.png"), HasSubstr("ABCD does not belong there"))));
   EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
   write_picture(waves(200, 200, 3), folder / "whole.jpg");
   const std::string jpeg = file_text(folder / "whole.jpg");

@@ -6,6 +6,7 @@
 #include <OpenImageIO/imageio.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <zlib.h>
 
 #include <cmath>
 #include <fstream>
@@ -33,8 +34,10 @@ std::string bytes_of(std::uint64_t value, int bytes, bool big) {
 }
 
 std::string png_of(std::uint64_t width, std::uint64_t height) {
-  return "\x89PNG\r\n\x1a\n" + bytes_of(13, 4, true) + "IHDR" + bytes_of(width, 4, true) + bytes_of(height, 4, true) +
-         std::string("\x08\0\0\0\0", 5) + "crc.";
+  const std::string head =
+      "IHDR" + bytes_of(width, 4, true) + bytes_of(height, 4, true) + std::string("\x08\0\0\0\0", 5);
+  const uLong sum = crc32(0, reinterpret_cast<const Bytef*>(head.data()), static_cast<uInt>(head.size()));
+  return "\x89PNG\r\n\x1a\n" + bytes_of(13, 4, true) + head + bytes_of(sum, 4, true);
 }
 
 /// Writes waves through OpenImageIO; false where it has no writer for that kind.
@@ -130,6 +133,9 @@ TEST(PictureFile, ARawFileOfJpegXlIsNamed) {
       tiff_of({{256, 4}, {257, 4}, {259, 52546}, {262, 34892}, {273, 8}, {279, 8}}, {{271, "Apple"}});
   EXPECT_THAT([&] { read_picture_header(folder.write("a.dng", dng)); },
               ThrowsMessage<Error>(AllOf(HasSubstr("JPEG XL"), HasSubstr("JPEG Lossless"))));
+  const std::string tiff = tiff_of({{256, 4}, {257, 4}, {259, 50002}, {262, 2}, {273, 8}, {279, 8}});
+  EXPECT_THAT([&] { read_picture_header(folder.write("a.tif", tiff)); },
+              ThrowsMessage<Error>(AllOf(HasSubstr("TIFF compressed by JPEG XL"), HasSubstr("PNG"))));
 }
 
 // By its mark, its directories, or its name; and as a picture to be shown it is refused with the remedy, instead of the
