@@ -71,6 +71,9 @@ std::vector<double> commands_of(const MachineProfile& machine, const CouponOptio
     fail(kWhere, "is to try both preloads and depths", "give one of them");
   std::vector<double> commands = options.commands;
   check_rising(options.depths_um, "depths");
+  if (!options.depths_um.empty() && options.depths_um.back() > bound::kDepth_um)
+    fail(kWhere, "has a depth of " + significant(options.depths_um.back(), 4) + " um, deeper than any tip cuts",
+         "write micrometers, at most " + shortest(bound::kDepth_um));
   for (const double depth_um : options.depths_um)
     commands.push_back(
         fixed ? 1e-3 * depth_um

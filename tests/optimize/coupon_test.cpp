@@ -232,6 +232,8 @@ TEST(Coupon, RefusesWhatMakesNoSense) {
   options = dated();
   options.depths_um = {5, 80};
   refuses(spring, options, "no command for a depth of 80 um");
+  options.depths_um = {5, 1e300};
+  refuses(fixed, options, "deeper than any tip cuts");
   options = dated();
   options.feeds_mm_min = {-5};
   refuses(spring, options, "speeds");
