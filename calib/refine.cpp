@@ -902,8 +902,9 @@ void RefineRun::judge() {
   const Combinations judged = fill_bench(data, state, judged_by, stage, options.session, out);
   admit_what_machines_hide();
   count_own_lenses();
+  // Photos that do not fit the others are findings themselves, and explain the weight.
   constexpr double kWorthTelling = 4;  // twice the weight
-  if (data.geometry && data.geometry->weight > kWorthTelling)
+  if (data.geometry && data.geometry->weight > kWorthTelling && !std::ranges::any_of(out.bench.misfits, is_of_photo))
     out.findings.push_back(make_warning(
         FindingCode::model_misfit,
         "the scratches' pictures would move cameras and lens by more than the tags allow, as they do where the model "

@@ -14,7 +14,7 @@ namespace {
 
 // Views of clean setups differ by a factor of up to 1.8, of an amateur's setup by 1.2. A view with another lamp's
 // mirror image differs by a factor of four. Below kLeast, the model error hardly exceeds the camera's noise.
-constexpr double kStandsOut = 3, kLeast = 4;
+constexpr double kUsual = 1.8, kStandsOut = 3, kLeast = 4;
 constexpr double kMostLogarithm = 1.5;  // a number from a single view: known only within a factor of four
 
 // Residual of each part: its worst photo under any lamp; 0 if none of its pixels was used.
@@ -67,6 +67,17 @@ void add_odd_photos(const std::vector<PhotoFit>& photos, Uncertainty& uncertaint
     uncertainty.misfits.push_back(std::move(misfit));
     uncertainty.shifts.push_back(std::move(shift));
   }
+}
+
+bool fits_as_usual(const std::vector<PhotoFit>& photos, const std::string& view) {
+  std::vector<double> residuals;
+  for (const PhotoFit& photo : photos)
+    if (photo.pixels > 0) residuals.push_back(photo.residual_to_noise);
+  if (residuals.empty()) return false;
+  const double most = kUsual * median_of(std::move(residuals));
+  return std::none_of(photos.begin(), photos.end(), [&](const PhotoFit& photo) {
+    return photo.view == view && photo.pixels > 0 && photo.residual_to_noise > most;
+  });
 }
 
 }  // namespace burin

@@ -15,6 +15,7 @@
 #include "burin/calib/photo/bench_unknowns.h"
 #include "burin/calib/photo/machine_map.h"
 #include "burin/calib/photo/stray_light.h"
+#include "burin/calib/verdict/odd_photos.h"
 #include "burin/scene/parameter_name.h"
 
 namespace burin {
@@ -276,10 +277,11 @@ void compare_with_noise(const Uncertainty& uncertainty, const Stage& stage, Refi
   }
 }
 
-// Reports views with other grooves, unless a lamp's move explains them.
+// Reports views with other grooves, unless a lamp's move explains them. They were compared before the fit's end: photos
+// that it finally predicts as well as the others show these grooves.
 void tell_other_grooves(const Board& board, const std::vector<std::string>& explained, Refinement& out) {
   std::erase_if(out.other_grooves, [&](const std::string& view) {
-    return std::find(explained.begin(), explained.end(), view) != explained.end();
+    return std::find(explained.begin(), explained.end(), view) != explained.end() || fits_as_usual(out.photos, view);
   });
   const bool several = out.other_grooves.size() > 1;
   std::string list;
