@@ -914,6 +914,7 @@ void RefineRun::judge() {
   append(out.findings, judge_bounds(data, stage, state, out.bench));
   ask_of_believed_depth();
   keep_believed(board, state, out.bench);
+  out.correlations = correlations_of(data, judged_by, out.bench);
   append(out.findings, effect_findings(out.bench, board));
   advise_light(data, state, judged_by, judged, out.bench, progress);
   append(out.findings, keep_colors(given, fit_colors(data, merged, state, out.bench), out.bench));

@@ -140,6 +140,19 @@ void print_lamp(const Bench& b, const Light& light, Report& report) {
   report.text += '\n';
 }
 
+// For programs only: text shows sigmas.
+void add_correlations(const Correlations& correlations, Facts facts) {
+  for (const Correlations::Number& number : correlations.numbers) {
+    Facts entry = facts.add("numbers");
+    entry.set("parameter", number.name);
+    entry.set("sigma", number.sigma);
+    if (!number.unit.empty()) entry.set("unit", number.unit);
+  }
+  Json rows = Json::array();
+  for (const auto& row : correlations.values.rowwise()) rows.push_back(std::vector<double>(row.begin(), row.end()));
+  facts.set("values", std::move(rows));
+}
+
 void print_result(const Refinement& r, const Board& board, const Sent& sent, Report& report) {
   const Bench& b = r.bench;
   set_measured(report.all(), "alpha", b, parameter::kAlpha, b.material.alpha, b.material_sigma.alpha);
@@ -177,6 +190,7 @@ void print_result(const Refinement& r, const Board& board, const Sent& sent, Rep
     noise.line("         {:<24} {} {}; its sigma is {} times that\n", name, significant(bound), in_words(unit),
                significant(sigma / bound));
   }
+  add_correlations(r.correlations, report.in("correlations"));
   print_photos(r.photos, report);
   report.line("         residual / its noise: 1 is a perfect model; this one misses {:.1f} % of a pixel's light\n",
               fact("model_error", 100 * r.model_error, "%"));

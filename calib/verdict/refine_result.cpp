@@ -5,6 +5,7 @@
 #include <cmath>
 #include <string>
 #include <string_view>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -363,6 +364,63 @@ Combinations fill_bench(const Problem& data, const State& state, const Uncertain
   compare_with_noise(uncertainty, stage, out);
   tell_other_grooves(*data.model.board, tell_misfits(uncertainty, session, out), out);
   return judged;
+}
+
+Correlations correlations_of(const Problem& data, const Uncertainty& uncertainty, const Bench& bench) {
+  const Eigen::Index n = uncertainty.covariances.front().rows();
+  Correlations out;
+  std::vector<Eigen::VectorXd> slopes;  // of each number, by all unknowns, up to a factor
+  const auto is_known = [&](const std::string& name) {
+    const auto verdict = bench.verdict.find(name);
+    return verdict != bench.verdict.end() && verdict->second.known();
+  };
+  const auto add = [&](const std::string& name, const char* unit, double sigma, Eigen::VectorXd slope) {
+    out.numbers.push_back({name, unit, sigma});
+    slopes.push_back(std::move(slope));
+  };
+  const MaterialSigma& material = bench.material_sigma;
+  for (const auto& [name, unit, sigma, index] :
+       {std::tuple(parameter::kAlpha, "", &material.alpha, unknown::log_alpha),
+        std::tuple(parameter::kDepth, "um", &material.depth_um, unknown::log_depth),
+        std::tuple(parameter::kBaseAlpha, "", &material.base_alpha, unknown::log_base_alpha)})
+    if (*sigma && is_known(name)) add(name, unit, **sigma, Eigen::VectorXd::Unit(n, index));
+  const Eigen::Vector2d c = data.model.center_mm;
+  const auto first_of_map = static_cast<Eigen::Index>(slopes.size());
+  const bool has_map = bench.machine_affine_sigma && is_known(parameter::kMachine);
+  for (int i = 0; has_map && i < 6; ++i) {
+    const int row = i / 3, column = i % 3;
+    const Eigen::Vector3d about_center =
+        column < 2 ? Eigen::Vector3d::Unit(column) : Eigen::Vector3d(-c.x(), -c.y(), 1);
+    add(std::string(parameter::kMachine) + "[" + std::to_string(row) + "][" + std::to_string(column) + "]",
+        column < 2 ? "" : "mm", (*bench.machine_affine_sigma)(row, column), machine_combination(n, row, about_center));
+  }
+  for (std::size_t light = 0; light < bench.lights.size(); ++light) {
+    const std::string name = parameter::light_position(bench.lights[light].id);
+    for (int i = 0; bench.lights[light].position_sigma_mm && is_known(name) && i < 3; ++i)
+      add(name + "[" + std::to_string(i) + "]", "mm", (*bench.lights[light].position_sigma_mm)[i],
+          Eigen::VectorXd::Unit(n, global_index(unknown::lamp_position + i, light)));
+  }
+  const auto count = static_cast<Eigen::Index>(slopes.size());
+  Eigen::MatrixXd J(count, n);
+  for (Eigen::Index i = 0; i < count; ++i) J.row(i) = slopes[static_cast<std::size_t>(i)];
+  Eigen::VectorXd largest = Eigen::VectorXd::Zero(count);
+  for (const Eigen::MatrixXd& covariance : uncertainty.covariances)
+    largest = largest.cwiseMax((J * covariance * J.transpose()).diagonal());
+  Eigen::MatrixXd chosen = Eigen::MatrixXd::Zero(count, count);
+  double most = -1;
+  for (const Eigen::MatrixXd& covariance : uncertainty.covariances) {
+    const Eigen::MatrixXd one = J * covariance * J.transpose();
+    const double share = one.diagonal().cwiseQuotient(largest.cwiseMax(1e-300)).sum();
+    if (share > most) most = share, chosen = one;
+  }
+  for (const Eigen::VectorXd& shift : uncertainty.shifts) chosen += (J * shift) * (J * shift).transpose();
+  if (has_map) {  // the tags' frame moves each row of the map (machine_sigma)
+    const Eigen::Matrix3d frame = tag_frame_covariance(*data.model.board);
+    for (const Eigen::Index row : {0, 3}) chosen.block<3, 3>(first_of_map + row, first_of_map + row) += frame;
+  }
+  const Eigen::VectorXd scale = chosen.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+  out.values = scale.asDiagonal() * chosen * scale.asDiagonal();
+  return out;
 }
 
 void keep_believed(const Board& board, State& state, Bench& bench) {

@@ -32,6 +32,10 @@ std::vector<Finding> keep_colors(std::span<const Light> given, const std::set<st
 Combinations fill_bench(const Problem& data, const State& state, const Uncertainty& uncertainty, const Stage& stage,
                         const Session* session, Refinement& out);
 
+/// Correlations of the numbers in `bench` that have sigmas: material, machine map and lamps' positions. They are those
+/// of the estimate of uncertainty with the largest variances; the sigmas are the bench's.
+Correlations correlations_of(const Problem& data, const Uncertainty& uncertainty, const Bench& bench);
+
 /// Resets undetermined parameters of grooves and face to board.json's prior, in `state` and `bench`. The verdict
 /// reports it: an optimizer's undetermined result carries no information. Refuted priors
 /// (Cause::Kind::believed_refuted) are exempt. Also records the board's commanded values.

@@ -29,6 +29,18 @@ struct NoiseBound {
   Unit unit = Unit::none;
 };
 
+/// How the errors of the numbers that the photos determine go together. The covariance of two of them is their
+/// correlation times both sigmas.
+struct Correlations {
+  /// A number of the bench: "alpha", "light.ID.position_mm[0]", "machine.affine[1][2]"; its unit ("um"); its sigma.
+  struct Number {
+    std::string name, unit;
+    double sigma = 0;
+  };
+  std::vector<Number> numbers;
+  Eigen::MatrixXd values;  ///< one row and one column per number; 1 on the diagonal
+};
+
 /// Result of refine(): the measured setup, its uncertainties and diagnostics.
 struct Refinement {
   Bench bench;  ///< completed: material, lights, sensor, ambient, machine_affine, sigmas, verdict
@@ -39,8 +51,9 @@ struct Refinement {
   /// Scatter of pixels along their slopes by log alpha and log depth, with groove-to-groove variation
   /// (photo_problem.h).
   Eigen::Vector2d slope_error{0, 0};
-  double looked_at = 1;                    ///< fraction of the carve area in use: on a crowded board only squares
-  int bin = 1;                             ///< merged pixels per side of one pixel of the finest fit
+  double looked_at = 1;  ///< fraction of the carve area in use: on a crowded board only squares
+  int bin = 1;           ///< merged pixels per side of one pixel of the finest fit
+  Correlations correlations;
   std::vector<NoiseBound> noise_bounds;    ///< of the fitted ones among alpha, base_alpha, depth_um and the lamps
   std::vector<std::string> other_grooves;  ///< views whose photos show other grooves than the scratches'
   std::vector<Finding> findings;           ///< omitted data and suspicious results

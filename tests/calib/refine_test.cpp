@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -14,7 +15,9 @@
 
 #include "burin/base/error.h"
 #include "burin/base/files/decimals.h"
+#include "burin/calib/verdict/refine_result.h"
 #include "tests/calib/rig_bench.h"
+#include "tests/calib/small_grooves.h"
 
 namespace burin {
 namespace {
@@ -82,6 +85,38 @@ TEST(Refine, CleanBench) {
   for (const PhotoFit& photo : r.photos) EXPECT_LT(photo.outliers, 0.1) << photo.view;
 }
 
+// By covariances that are known: of two estimates the wider one counts, and a shift adds to it.
+TEST(Refine, CorrelationsAreThoseOfTheWiderEstimate) {
+  SmallGrooves s;
+  fill_small_grooves(s, 3);
+  const int alpha = unknown::log_alpha, depth = unknown::log_depth, z = global_index(unknown::lamp_position + 2, 0);
+  const Eigen::Index n = global_count(1);
+  Eigen::MatrixXd narrow = Eigen::MatrixXd::Identity(n, n), wide = 4 * narrow;
+  narrow(alpha, depth) = narrow(depth, alpha) = 0.9;
+  wide(alpha, depth) = wide(depth, alpha) = -2;
+  wide(alpha, z) = wide(z, alpha) = 1;
+  Uncertainty uncertainty;
+  uncertainty.covariances = {narrow, wide};
+  s.bench.material_sigma.alpha = 0.1;
+  s.bench.material_sigma.depth_um = 0.2;
+  s.bench.material_sigma.base_alpha = 0.3;  // has a sigma, but no verdict
+  s.bench.lights[0].id = "lamp";
+  s.bench.lights[0].position_sigma_mm = Eigen::Vector3d(1, 2, 3);
+  for (const char* name : {"alpha", "depth_um", "light.lamp.position_mm"})
+    s.bench.verdict[name].degree = Degree::determined;
+  const Correlations known = correlations_of(s.data, uncertainty, s.bench);
+  ASSERT_EQ(known.numbers.size(), 5U);
+  EXPECT_EQ(known.numbers[4].name, "light.lamp.position_mm[2]");
+  EXPECT_EQ(known.numbers[4].unit, "mm");
+  EXPECT_EQ(known.numbers[4].sigma, 3);
+  EXPECT_NEAR(known.values(0, 1), -0.5, 1e-12);
+  EXPECT_NEAR(known.values(4, 0), 0.25, 1e-12);
+  EXPECT_NEAR(known.values(1, 4), 0, 1e-12);
+  uncertainty.shifts.emplace_back(Eigen::VectorXd::Zero(n));
+  uncertainty.shifts.back()[alpha] = uncertainty.shifts.back()[depth] = 2;
+  EXPECT_NEAR(correlations_of(s.data, uncertainty, s.bench).values(0, 1), 0.25, 1e-12);  // (4 - 2) / (4 + 4)
+}
+
 class RefineAmateursBench : public testing::TestWithParam<const char*> {};
 TEST_P(RefineAmateursBench, ComesOut) {
   BURIN_NEEDS_RIG(GetParam());
@@ -103,6 +138,16 @@ TEST_P(RefineAmateursBench, ComesOut) {
     EXPECT_LT(sigma, 0.02) << term;
     EXPECT_NEAR(r.bench.depth_field.terms[term], expected, 4 * sigma) << term;
   }
+  const Correlations& all = r.correlations;
+  ASSERT_EQ(all.numbers.size(), 12U);  // groove and face, the map, the lamp
+  EXPECT_EQ(all.numbers[1].name, "depth_um");
+  EXPECT_EQ(all.numbers[1].sigma, r.bench.material_sigma.depth_um);
+  EXPECT_EQ(all.numbers[11].name, "light.lamp.position_mm[2]");
+  EXPECT_LT((all.values.diagonal().array() - 1).abs().maxCoeff(), 1e-9);
+  EXPECT_GT(Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(all.values).eigenvalues()[0], -1e-9);
+  // The lamp's light on the paper fixes its direction better than its distance: y and z move along it.
+  const Eigen::Vector3d lamp = true_lamp_position(rig.truth);
+  EXPECT_GT(all.values(10, 11) * lamp.y() * lamp.z(), 0);
   // The lamp's color: ratios of its channels.
   const Eigen::Vector3d color = r.bench.lights[0].intensity / r.bench.lights[0].intensity[0];
   EXPECT_NEAR(color[1], 600. / 620., 0.02);
