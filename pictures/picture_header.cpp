@@ -2,6 +2,7 @@
 // with the file's. The parser assumes nothing and decodes nothing.
 #include "burin/pictures/picture_header.h"
 
+#include <OpenImageIO/imageio.h>
 #include <zlib.h>
 
 #include <algorithm>
@@ -18,7 +19,6 @@
 #include "burin/base/limits.h"
 #include "burin/pictures/heif_boxes.h"
 #include "burin/pictures/picture_bytes.h"
-#include "burin/pictures/picture_file.h"
 #include "burin/pictures/tiff_directory.h"
 
 namespace burin {
