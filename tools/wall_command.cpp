@@ -333,7 +333,7 @@ void add_wall_command(CLI::App& burin) {
               "  burin wall work mural\n"
               "  burin wall status mural"));
   add_new_wall(*wall);
-  add_simple(*wall, "lay", "Lay the boards out anew after a change of wall.json", "Lay out the boards of this wall",
+  add_simple(*wall, "lay", "Lay the boards out again after a change of wall.json", "Lay out the boards of this wall",
              "burin wall lay mural", lay_wall_anew);
   add_work_on_wall(*wall);
   add_simple(*wall, "settle", "Solve the boards' couplings from their previews; burin wall work does it by itself",
