@@ -147,15 +147,14 @@ std::string page(const Page& page) {
   return fmt::format(
       "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">{}\n"
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
-      "<meta name=\"generator\" content=\"burin " BURIN_VERSION
-      "\">\n<title>{}</title>\n{}</head>\n"
+      "<meta name=\"generator\" content=\"burin {}\">\n<title>{}</title>\n{}</head>\n"
       "<body><main>\n<h1>{}</h1>\n<p class=\"outcome\">{}</p>\n{}{}{}"
       "<footer>Written by Burin {} on {}. Lengths of boards are in mm, of grooves in µm; ± is "
       "one standard deviation. This page loads nothing from elsewhere.</footer>\n"
       "</main>\n{}</body></html>\n",
-      content_policy(scripts, styles), html(page.title), elements(styles, "style"), html(page.title), page.outcome,
-      page.next.empty() ? "" : "<p class=\"next\"><b>" + page.next_word + ":</b> " + page.next + "</p>\n", inside,
-      page.body, version(), local_time("%Y-%m-%d %H:%M"), elements(scripts, "script"));
+      content_policy(scripts, styles), version(), html(page.title), elements(styles, "style"), html(page.title),
+      page.outcome, page.next.empty() ? "" : "<p class=\"next\"><b>" + page.next_word + ":</b> " + page.next + "</p>\n",
+      inside, page.body, version(), local_time("%Y-%m-%d %H:%M"), elements(scripts, "script"));
 }
 
 }  // namespace burin

@@ -8,6 +8,7 @@
 #include "tools/content_policy.h"
 #include "tools/drawing/drawing_svg.h"
 #include "tools/sheet/sheet.h"
+#include "tools/version.h"
 
 namespace burin {
 namespace {
@@ -80,9 +81,9 @@ std::string sheet_html(const Sheet& sheet) {
   body += table_of({"photo", "place", "exposures", "lamp"}, rows) + "</section>\n";
   return "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n" + content_policy({}, {{style}}) +
          "\n<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
-         "<meta name=\"generator\" content=\"burin " BURIN_VERSION "\">\n<title>" +
-         xml_text(sheet.name) + ": where to stand</title>\n<style>" + style + "</style></head>\n<body><main>\n" + body +
-         "</main></body></html>\n";
+         "<meta name=\"generator\" content=\"burin " +
+         version() + "\">\n<title>" + xml_text(sheet.name) + ": where to stand</title>\n<style>" + style +
+         "</style></head>\n<body><main>\n" + body + "</main></body></html>\n";
 }
 
 }  // namespace burin
