@@ -102,8 +102,7 @@ std::string in_words(const Cause& cause) {
     case Cause::Kind::cutoff_not_seen:
       return cutoff_in_words(n[0], n[1], cause.kind == Cause::Kind::cutoff_seen);
     case Cause::Kind::believed_refuted:
-      return "the photos speak against the " + significant(n[0], 3) +
-             " um that were believed, and this is what explains them best";
+      return "the photos contradict the prior of " + significant(n[0], 3) + " um, and this value explains them best";
     case Cause::Kind::field_chosen:
       return field_in_words(n[0] != 0, n[1] != 0, n[2] != 0);
     case Cause::Kind::bare_lamp:

@@ -190,7 +190,7 @@ TEST(Refine, ADepthThatPhotosSpeakAgainstIsNotGoneBackTo) {
   EXPECT_EQ(depth.source, Source::measured);
   EXPECT_NEAR(r.bench.material.depth_um, true_um, 0.03 * true_um);  // measured: 13.99 um of 14
   EXPECT_FALSE(r.bench.material_sigma.depth_um.has_value());
-  EXPECT_NE(sentence(depth).find("they contradict the " + significant(believed_um, 3)), std::string::npos);
+  EXPECT_NE(sentence(depth).find("contradict the prior of " + significant(believed_um, 3)), std::string::npos);
 }
 
 // Photos of a board whose tags fit, and whose grooves are others: here the same scratches on the other side of the

@@ -191,7 +191,7 @@ TEST(Replay, EachDialectHasItsOwnRules) {
   refuses(";py,print()\n", "LinuxCNC executes", "linuxcnc");
   refuses("%\nG21 G90\n%\nG0 Z1\n", "after its end", "linuxcnc");
   refuses("M5 S0\nG21 G90\nG0 Z1\nM3 S5\n", "laser on", "laser-z");
-  refuses("N5 G21\n", "a line number, and Marlin asks", "marlin");
+  refuses("N5 G21\n", "a line number, and Marlin requests", "marlin");
   for (const char* code : {"M7", "M62 P0", "M64 P0", "M67 E0 Q5", "M68 E0 Q5"}) {
     refuses(std::string("G21 G90\n") + code + "\n", "which grbl answers by an error", "grbl");
     EXPECT_NO_THROW(replay(std::string("G21 G90\n") + code + "\n", "linuxcnc")) << code;

@@ -421,7 +421,7 @@ TEST_F(LoopAnswering, NextBoardIsToldTheDepthThatMakesTheWantedOne) {
   const Board board = read_board(project() / "board.json");
   const Carved carved = carve(Sent(sent), bench, board);
   EXPECT_NEAR(carved.scratches.depth_um[0], 11, 0.02);
-  EXPECT_THAT(text("round-02/carve-check.html"), AllOf(HasSubstr("11.0 µm deep"), HasSubstr("told 14.9 µm")));
+  EXPECT_THAT(text("round-02/carve-check.html"), AllOf(HasSubstr("11.0 µm deep"), HasSubstr("commanded: 14.9 µm")));
 
   bench.material.depth_um = 3;
   measure_round_1(bench);

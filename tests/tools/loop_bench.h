@@ -35,6 +35,7 @@ inline void make_tiny_project(const TemporaryFolder& folder, const std::vector<s
   };
   Json board = read_json_file(project / "board.json"), bench = read_json_file(project / "bench.json");
   set_material(board, 0.04, 11, 0.1);
+  set_material(bench, 0.04, 11, 0.1);
   bench["material"]["crossings"] = "add";
   set_material(truth, 0.06, 15, 0.12);
   truth["believed"]["material"] = board["material"];

@@ -22,8 +22,8 @@ TEST(PagePolicy, EveryPageHasOne) {
       std::string text = file_text(entry.path());
       std::transform(text.begin(), text.end(), text.begin(),
                      [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-      for (std::size_t at = text.find("<!doctype html"); at != std::string::npos;
-           at = text.find("<!doctype html", at + 1)) {
+      for (std::size_t at = text.find("<!doctype html>"); at != std::string::npos;
+           at = text.find("<!doctype html>", at + 1)) {
         ++pages;
         const std::size_t charset = text.find("<meta charset=", at);
         ASSERT_NE(charset, std::string::npos) << entry.path();

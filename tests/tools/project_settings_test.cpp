@@ -180,7 +180,7 @@ TEST(ProjectSettings, TheReachOfTheMachineIsAskedForOnce) {
   p.design();
   if (HasFatalFailure()) return;
   const std::vector<std::string> toolpath{"toolpath", "round-01/scratches.csv", "--out", "mine.gcode"};
-  const auto asks = HasSubstr("how far grbl-spring reaches");
+  const auto asks = HasSubstr("the travel of grbl-spring is unknown");
   EXPECT_THAT(p.in("project", toolpath).err, asks);
   ASSERT_EQ(p.in(".", {"loop", "project", "--travel", "unknown"}).exit_code, 0);
   EXPECT_THAT(file_text(p.project / "loop.toml"), HasSubstr("travel_mm = \"unknown\""));
@@ -191,7 +191,7 @@ TEST(ProjectSettings, TheReachOfTheMachineIsAskedForOnce) {
     EXPECT_THAT(quiet.err, Not(asks)) << command[0];
   }
   EXPECT_THAT(p.in("project", {"toolpath", "round-01/scratches.csv", "--machine", "grbl", "--out", "other.gcode"}).err,
-              HasSubstr("how far grbl reaches"))
+              HasSubstr("the travel of grbl is unknown"))
       << "another machine";
   EXPECT_THAT(p.in("project", {"status"}).out, Not(HasSubstr("out of date"))) << "no design rests on it";
   // What is too far is refused from then on, and the tool path that is there as well.

@@ -154,7 +154,7 @@ TEST_F(ReportPage, SaysFirstWhatCameOutAndWhatToDo) {
                           "[0-9.]+ dB (better|worse) than this one shows[.]\n"),
             HasSubstr("the photo that would help most: camera 620 mm above"), HasSubstr(" MB); ")));
   const std::string text = file_text(page_);
-  EXPECT_THAT(text, AllOf(HasSubstr("burin loop 'my bench'</code>"), HasSubstr("562 times what the camera"),
+  EXPECT_THAT(text, AllOf(HasSubstr("burin loop 'my bench'"), HasSubstr("562 times what the camera"),
                           HasSubstr("Round 2, promised"), HasSubstr("Round after round")));
 }
 

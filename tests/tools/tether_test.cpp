@@ -106,7 +106,7 @@ TEST_F(Tether, NamesTheTimeThatWasTakenForAnother) {
   camera.takes["1/500"] = "1/400";
   testing::internal::CaptureStderr();
   capture();
-  EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("the camera took 1/400 s for the 1/500 s asked"));
+  EXPECT_THAT(testing::internal::GetCapturedStderr(), HasSubstr("the camera took 1/400 s instead of 1/500 s"));
   EXPECT_THAT(times(), testing::Contains(testing::DoubleNear(1.0 / 400, 1e-6)));
 }
 

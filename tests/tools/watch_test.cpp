@@ -481,7 +481,7 @@ TEST_F(WatchCommand, FoldersNameTheLamps) {
   fs::copy_file(folder / "in/a-1.jpg", folder / "in/left/b-1.jpg");
   Outcome run = run_burin(folder, {"watch", "my board", "--photos", "in", "--copy", "--once"});
   EXPECT_EQ(run.exit_code, 0) << run.err;
-  EXPECT_THAT(run.out, AllOf(HasSubstr("put them into in/lamp and in/left, or name it with --lamp NAME"),
+  EXPECT_THAT(run.out, AllOf(HasSubstr("put photos into in/lamp and in/left, or name it with --lamp NAME"),
                              HasSubstr("a-1.jpg: shot \"p1\""), HasSubstr("the lamp is unknown"),
                              HasSubstr("b-1.jpg (lamp \"left\"): shot \"p1\"")));
   EXPECT_TRUE(fs::exists(project / "round-01/photos/left/b-1.jpg"));
