@@ -259,7 +259,8 @@ TEST(ReleaseCheck, AServosHeadIsLiftedOverAClampAndComesBackToItsHeight) {
       // A head without a Z axis goes only as high as its servo lifts it.
       std::erase_if(servo.start, [](const std::string& line) { return line.find('Z') != std::string::npos; });
       std::erase_if(servo.end, [](const std::string& line) { return line.find('Z') != std::string::npos; });
-      EXPECT_THAT([&] { made(board, servo, four_scratches()); }, ThrowsMessage<Error>(HasSubstr("clears the sheet and its clamps from Z13.00")));
+      EXPECT_THAT([&] { made(board, servo, four_scratches()); },
+                  ThrowsMessage<Error>(HasSubstr("clears the sheet and its clamps from Z13.00")));
       servo.safe_z_mm = 15;
       EXPECT_NO_THROW(made(board, servo, four_scratches()));
     }
