@@ -23,6 +23,7 @@
 #include "tools/picture_quality.h"
 #include "tools/round_names.h"
 #include "tools/rounds_quality.h"
+#include "tools/wall/wall_file.h"
 #include "tools/watch/wanted_shots.h"
 
 namespace burin {
@@ -134,6 +135,7 @@ void read_as(const std::string& format, const fs::path& file) {
       {"burin/rig-truth", [](const fs::path& f) { read_bench_truth(f); }},
       {"burin/rounds", [](const fs::path& f) { read_rounds(f); }},
       {"burin/session", [](const fs::path& f) { read_session(f); }},
+      {"burin/wall", [](const fs::path& f) { read_wall(f.parent_path()); }},
   };
   std::string known;
   for (const auto& [name, read] : kReaders) {

@@ -284,6 +284,11 @@ std::string fish_completion(const CLI::App& burin) {
   return out;
 }
 
+// An action of zsh's _arguments, which splits at bare colons.
+std::string words_or_files(const std::string& words) {
+  return fmt::format(R"({{_alternative "words\:word\:{}" "files\:file\:_files"}})", words);
+}
+
 std::string zsh_completion(const CLI::App& burin) {
   // Brackets and colons end a description there.
   const auto plain = [](std::string text) {
@@ -298,10 +303,9 @@ std::string zsh_completion(const CLI::App& burin) {
       if (option->get_items_expected_max() != 0) {
         const auto values = values_of(*option);
         const std::string words = fmt::format("({})", fmt::join(values, " "));
-        spec += values.empty() ? ":value:_files"
-                : or_file(*option)
-                    ? fmt::format(":value:{{_alternative \"names:name:{}\" \"files:file:_files\"}}", words)
-                    : ":value:" + words;
+        spec += values.empty()     ? ":value:_files"
+                : or_file(*option) ? ":value:" + words_or_files(words)
+                                   : ":value:" + words;
       }
       out += " \\\n      " + quoted_for_shell((option->get_items_expected_max() == 0 ? "" : "*") + spec);
     }
@@ -313,9 +317,10 @@ std::string zsh_completion(const CLI::App& burin) {
   commands += " 'help:Print the options of a command, and an example'";
   walk(burin, "", [&](const std::string& name, const CLI::App& command) {
     const std::string below = names_below(command);
-    cases +=
-        fmt::format("    {}) _arguments{}{} '*:file:_files' ;;\n", quoted_for_shell(name), arguments(command),
-                    below.empty() ? "" : fmt::format(" \\\n      '2:command:({})'", below));  // 1: the command above
+    cases += fmt::format("    {}) _arguments{}{} '*:file:_files' ;;\n", quoted_for_shell(name), arguments(command),
+                         below.empty() ? ""
+                                       : fmt::format(" \\\n      '2:command:{}'",
+                                                     words_or_files("(" + below + ")")));  // 1: the command above
   });
   return fmt::format(
       "#compdef burin\n"
