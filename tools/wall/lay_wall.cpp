@@ -9,6 +9,7 @@
 #include "burin/base/files/file_names.h"
 #include "burin/base/srgb.h"
 #include "burin/optimize/machine_profile.h"
+#include "burin/pictures/linear_picture.h"
 #include "burin/pictures/picture.h"
 #include "burin/scene/bench_of_board.h"
 
@@ -18,14 +19,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kWallLens = "camera.cameramodel";
-
-Image linear_picture(const fs::path& file) {
-  Image image = read_picture(file);
-  const std::string kind = lower_extension(file);
-  if (kind == ".exr" || kind == ".hdr") return image;
-  for (float& v : image.data) v = srgb_to_linear(v);
-  return image;
-}
 
 // A surroundings map is a file, too.
 Json light_on_board(const Json& light, const Wall& wall, const WallBoard& board) {
@@ -199,7 +192,7 @@ LaidWall lay_wall(const Wall& wall) {
   const WallArea area = area_of(wall);
   std::vector<float> bright(wall.boards.size(), 0);
   for (const WallView& v : wall.views) {
-    const Image linear = linear_picture(v.picture);
+    const Image linear = read_linear_picture(v.picture);
     float of_view = 0;
     const LaidPicture placed = laid_picture(linear.width, linear.height, v.fit, v.keep, 0, area.size_mm());
     for (std::size_t b = 0; b < wall.boards.size(); ++b) {
