@@ -27,7 +27,6 @@ namespace {
 namespace fs = std::filesystem;
 using namespace std::chrono_literals;
 
-constexpr std::uintmax_t kMostPhotoBytes = 300'000'000;
 constexpr std::size_t kMostPhotos = 300;
 constexpr std::chrono::milliseconds kBetweenLooks = 200ms, kBetweenStatus = 2s, kJudgeAfterLastLook = 30s;
 
@@ -151,10 +150,9 @@ Studio::Studio(fs::path folder) : folder_(fs::absolute(std::move(folder)).lexica
 bool Studio::is_made() const { return is_project(folder_); }
 
 // A project keeps the studio's own files; before it exists, they lie next to it, because `burin new` wants no folder.
-fs::path Studio::workshop() const {
-  return is_made() ? folder_ / ".burin-studio"
-                   : folder_.parent_path() / ("." + folder_.filename().string() + ".studio");
-}
+fs::path Studio::workshop() const { return is_made() ? folder_ / ".burin-studio" : staging(); }
+
+fs::path Studio::staging() const { return folder_.parent_path() / ("." + folder_.filename().string() + ".studio"); }
 
 std::string Studio::fingerprint() const {
   if (!is_made()) return stamps_below(workshop() / "pictures");
@@ -198,7 +196,7 @@ void Studio::look() {
   }
   if (made && !work_.is_running() && work_.action() == "new") {  // the project has its own copies
     std::error_code ignored;
-    fs::remove_all(folder_.parent_path() / ("." + folder_.filename().string() + ".studio"), ignored);
+    fs::remove_all(staging(), ignored);
   }
   const bool wanted = now - wanted_judge_ < kJudgeAfterLastLook;
   if (wanted && made && !judge_.is_running() && !work_.is_running() && project.rounds() > project.measured() &&
@@ -406,7 +404,7 @@ Json Studio::add_photo(const std::string& given, const std::string& lamp, const 
     folder = lamp_folder(watched.photos, lamp, watched.lamps);
     make_output_folder(folder);
   }
-  const fs::path stored = store(body, kMostPhotoBytes);
+  const fs::path stored = store(body, kMostPicture_bytes);
   if (picture_kind(stored).empty()) {
     ::unlink(stored.c_str());
     fail(name, "is no picture of a kind that Burin reads", "send the camera's own file");

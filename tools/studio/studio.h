@@ -18,6 +18,9 @@
 
 namespace burin {
 
+/// Largest upload of a picture or photo.
+inline constexpr std::uintmax_t kMostPicture_bytes = 300'000'000;
+
 /// A file that a page may load: its bytes and its media type.
 struct StudioFile {
   std::string bytes, type;
@@ -71,7 +74,8 @@ class Studio {
  private:
   bool is_made() const;
   std::filesystem::path workshop() const;
-  void look();  // mutex_ held
+  std::filesystem::path staging() const;  // the workshop before the project exists
+  void look();                            // mutex_ held
   void refresh_status(std::unique_lock<std::mutex>& lock);
   Json state();
   Json project_json() const;

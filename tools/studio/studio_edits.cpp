@@ -24,7 +24,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::uintmax_t kMostPicture_bytes = 300'000'000, kMostMask_bytes = 20'000'000;
+constexpr std::uintmax_t kMostMask_bytes = 20'000'000;
 constexpr std::size_t kMostStaged = 30, kMostFormer = 100;
 constexpr int kTargetSide_px = 480;
 constexpr double kFarthest_mm = 20000;
