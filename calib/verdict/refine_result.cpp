@@ -403,13 +403,15 @@ Correlations correlations_of(const Problem& data, const Uncertainty& uncertainty
   const auto count = static_cast<Eigen::Index>(slopes.size());
   Eigen::MatrixXd J(count, n);
   for (Eigen::Index i = 0; i < count; ++i) J.row(i) = slopes[static_cast<std::size_t>(i)];
+  std::vector<Eigen::MatrixXd> of_numbers;
   Eigen::VectorXd largest = Eigen::VectorXd::Zero(count);
-  for (const Eigen::MatrixXd& covariance : uncertainty.covariances)
-    largest = largest.cwiseMax((J * covariance * J.transpose()).diagonal());
+  for (const Eigen::MatrixXd& covariance : uncertainty.covariances) {
+    of_numbers.emplace_back(J * covariance * J.transpose());
+    largest = largest.cwiseMax(of_numbers.back().diagonal());
+  }
   Eigen::MatrixXd chosen = Eigen::MatrixXd::Zero(count, count);
   double most = -1;
-  for (const Eigen::MatrixXd& covariance : uncertainty.covariances) {
-    const Eigen::MatrixXd one = J * covariance * J.transpose();
+  for (const Eigen::MatrixXd& one : of_numbers) {
     const double share = one.diagonal().cwiseQuotient(largest.cwiseMax(1e-300)).sum();
     if (share > most) most = share, chosen = one;
   }
