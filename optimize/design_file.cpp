@@ -82,7 +82,7 @@ DesignView read_view(JsonObject& json, const std::filesystem::path& folder) {
     v.exposure = json.positive("exposure");
     v.target.may_be_even = true;
     if (v.white.kind == White::Kind::each)
-      json.fail_field("exposure", "stands beside \"white\": \"each\", which gives each channel its own",
+      json.fail_field("exposure", "contradicts \"white\": \"each\", which gives each channel its own",
                       "leave one of both out");
   }
   json.finish();

@@ -152,10 +152,8 @@ void report_layout(const Wall& wall, const LaidWall& laid, Report& report) {
     report.line("each board has a ring of tags of {:g} mm; --border 1mm carves up to the edges, without tags\n",
                 wall.tag_mm);
   if (!laid.blank.empty()) {
-    std::string names;
-    for (const std::string& name : laid.blank) names += (names.empty() ? "" : ", ") + name;
     report.all().set("blank", laid.blank);
-    report.line("dark in all views, so without a project: {}\n", names);
+    report.line("dark in all views, so without a project: {}\n", fmt::join(laid.blank, ", "));
   }
   report.next.push_back({"burin", "wall", "work", wall.folder.string()});
   report.line("Wrote {}; next, on each computer that shares this folder: {}\n", wall.folder.string(),
@@ -338,7 +336,7 @@ void add_wall_command(CLI::App& burin) {
   add_work_on_wall(*wall);
   add_simple(*wall, "settle", "Solve the boards' couplings from their previews; burin wall work does it by itself",
              "Solve the couplings of this wall", "burin wall settle mural", settle_wall);
-  add_simple(*wall, "status", "Show who works on which board, and what is left", "Show this wall",
+  add_simple(*wall, "status", "Show the state and the worker of each board", "Show this wall",
              "burin wall status mural\n  burin --json wall status mural", wall_status);
   add_simple(*wall, "picture", "Write the pictures that all boards show together, and measure the seams",
              "Show the pictures of this wall", "burin wall picture mural", picture_of_wall);

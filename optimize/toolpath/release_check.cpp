@@ -117,9 +117,8 @@ void ReleaseCheck::judge_course(const ToolWay& way) {
   if (least_mm < std::max(needed_mm, paper_mm) - rounding_mm_)
     add(kStanding, way.line,
         "travels " + fixed(least_mm, 2) + " mm above the face on its way to " + place_of(way.to_mm) +
-            (needed_mm > 0
-                 ? ", over or close to a keep-out or tag that needs " + fixed(needed_mm, 2) + " mm (a keep-out, a tag)"
-                 : ", and the tags' paper is " + fixed(paper_mm, 2) + " mm thick"),
+            (needed_mm > 0 ? ", over or close to a keep-out or tag that needs " + fixed(needed_mm, 2) + " mm"
+                           : ", and the tags' paper is " + fixed(paper_mm, 2) + " mm thick"),
         "raise safe_z_mm, or correct height_mm of keep_out in board.json, and write the file again");
 }
 
